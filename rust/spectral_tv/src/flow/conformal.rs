@@ -1,0 +1,112 @@
+//! Conformalized P-Laplace flows: M2 for P = 3, conformalized mean curvature flow for P = 2.
+
+use ndarray::{Array2, ArrayView2};
+
+use crate::error::{Error, Result};
+use crate::flow::law::Law;
+use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
+use crate::mesh::{TriangleMesh, barycentric_areas};
+use crate::monitor::Stage;
+use crate::operators::{Discretization, positions};
+
+/// Past extinction areas vanish and the systems turn singular; these keep them solvable.
+/// Relative to the initial shape.
+const AREA_FLOOR: f64 = 1e-8;
+const WEIGHT_FLOOR: f64 = 1e-4;
+
+/// u_t = √(|g₀|/|g_t|) ∇·(|∇u|^(P−2) ∇u), all in the metric g₀, u the positions (Brokman et
+/// al. 2024, Sec. 6.4). Zero-homogeneous for P = 3.
+#[derive(Debug, Clone)]
+pub struct ConformalLaplace {
+    exponent: f64,
+    floors: Vec<f64>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl ConformalLaplace {
+    /// The law on `mesh` for P = `p`, which is 1, 2 or 3.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for another P.
+    pub fn new(mesh: &TriangleMesh, operators: &Discretization, p: u32) -> Result<Self> {
+        if !(1..=3).contains(&p) {
+            return Err(Error::Argument(format!("p must be 1, 2 or 3, not {p}")));
+        }
+        Ok(Self {
+            exponent: f64::from(p) - 2.0,
+            floors: operators
+                .masses()
+                .iter()
+                .map(|mass| AREA_FLOOR * mass)
+                .collect(),
+            triangles: mesh.triangles().to_vec(),
+        })
+    }
+}
+
+impl Law for ConformalLaplace {
+    fn weights(&self, squared_gradients: &[f64]) -> Vec<f64> {
+        // The identity's gradient has the norm √2 everywhere, so floors are relative to 1.
+        squared_gradients
+            .iter()
+            .map(|square| square.sqrt().max(WEIGHT_FLOOR).powf(self.exponent))
+            .collect()
+    }
+
+    fn masses(&self, values: ArrayView2<f64>) -> Option<Vec<f64>> {
+        let face_areas: Vec<f64> = self
+            .triangles
+            .iter()
+            .map(|&corners| embedded_area(values, corners))
+            .collect();
+        let mut masses = barycentric_areas(values.ncols(), &self.triangles, &face_areas);
+        for (mass, floor) in masses.iter_mut().zip(&self.floors) {
+            *mass = mass.max(*floor);
+        }
+        Some(masses)
+    }
+}
+
+/// Conformalized mean curvature flow of the mesh (Kazhdan, Solomon, Ben-Chen 2012) for
+/// `duration` (length²) in equal steps, neither rescaled nor recentred; positions (3, V).
+///
+/// # Errors
+/// For a duration that is not positive, no steps, or cancellation.
+pub fn conformal_mean_curvature_flow(
+    mesh: &TriangleMesh,
+    operators: &Discretization,
+    duration: f64,
+    steps: usize,
+    stage: Stage,
+) -> Result<Array2<f64>> {
+    if !(duration > 0.0 && duration.is_finite()) {
+        return Err(Error::Argument(format!(
+            "time must be positive and finite, not {duration}"
+        )));
+    }
+    if steps == 0 {
+        return Err(Error::Argument("steps must be at least 1".into()));
+    }
+    let law = ConformalLaplace::new(mesh, operators, 2)?;
+    let times: Vec<f64> = (0..=steps)
+        .map(|k| duration * k as f64 / steps as f64)
+        .collect();
+    let initial = positions(mesh);
+    let flow = semi_implicit_flow(operators, &law, Weights::Lagged, &initial, &times, stage)?;
+    Ok(flow.states.index_axis(ndarray::Axis(0), steps).to_owned())
+}
+
+/// Area of a triangle whose corners' positions are columns of `positions` (3, V).
+fn embedded_area(positions: ArrayView2<f64>, [i, j, k]: [u32; 3]) -> f64 {
+    let (i, j, k) = (i as usize, j as usize, k as usize);
+    let edge = |to: usize| -> [f64; 3] {
+        std::array::from_fn(|axis| positions[[axis, to]] - positions[[axis, i]])
+    };
+    let (p, q) = (edge(j), edge(k));
+    let cross = [
+        p[1] * q[2] - p[2] * q[1],
+        p[2] * q[0] - p[0] * q[2],
+        p[0] * q[1] - p[1] * q[0],
+    ];
+    0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

@@ -1,0 +1,13 @@
+//! Heat flow: u_t = Δu, every weight 1.
+
+use crate::flow::law::Law;
+
+/// Linear diffusion on the fixed metric g₀ (Brokman et al. 2024, Eq. 10).
+#[derive(Debug, Clone, Copy)]
+pub struct Heat;
+
+impl Law for Heat {
+    fn weights(&self, squared_gradients: &[f64]) -> Vec<f64> {
+        vec![1.0; squared_gradients.len()]
+    }
+}

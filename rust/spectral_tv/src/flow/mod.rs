@@ -1,0 +1,23 @@
+//! Flows u_t = −p(u), u(0) = f: what drives them, and how a step is taken.
+//!
+//! `heat`, `total_variation` and `conformal` are the laws; `semi_implicit` and `proximal` the
+//! ways to step. A new flow is a new law.
+
+mod conformal;
+mod heat;
+mod law;
+mod proximal;
+mod proximal_newton;
+mod semi_implicit;
+mod time_step;
+mod total_variation;
+mod trajectory;
+
+pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
+pub use heat::Heat;
+pub use law::Law;
+pub use proximal::proximal_flow;
+pub use semi_implicit::{Weights, semi_implicit_flow};
+pub use time_step::TimeStep;
+pub use total_variation::TotalVariation;
+pub use trajectory::Trajectory;

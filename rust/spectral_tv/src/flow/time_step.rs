@@ -1,0 +1,60 @@
+//! One implicit step in time, as a proximal problem: data and a step length.
+
+use ndarray::{Array2, ArrayView2};
+
+/// Growth of the step beyond which variable-step BDF2 is not trusted (it is zero-stable below
+/// 1 + √2; Grigorieff 1983).
+const LARGEST_GROWTH: f64 = 2.0;
+
+/// (M + τ L) u⁺ = M `data`: both backward Euler and BDF2 are of this form.
+#[derive(Debug, Clone)]
+pub struct TimeStep {
+    /// û (C, V): the state, or the combination of the last two.
+    pub data: Array2<f64>,
+    /// τ, length² for shape flows.
+    pub tau: f64,
+}
+
+/// The last state and the one before, with the steps in time around them.
+#[derive(Debug, Clone, Copy)]
+pub struct History<'a> {
+    /// u(t_k), (C, V).
+    pub state: ArrayView2<'a, f64>,
+    /// u(t_{k−1}) and t_k − t_{k−1}, from the second step on.
+    pub previous: Option<(ArrayView2<'a, f64>, f64)>,
+}
+
+impl TimeStep {
+    /// Backward Euler: û = u, τ = Δt.
+    pub fn backward_euler(history: &History, dt: f64) -> Self {
+        Self {
+            data: history.state.to_owned(),
+            tau: dt,
+        }
+    }
+
+    /// Variable-step BDF2: û = u + κ (u − u₋), κ = ω²/(1 + 2ω), τ = Δt (1 + ω)/(1 + 2ω), with
+    /// ω = Δt/Δt₋; `None` where there is no history or the step grows too much.
+    pub fn bdf2(history: &History, dt: f64) -> Option<Self> {
+        let (previous, growth) = usable(history, dt)?;
+        let kappa = growth * growth / (1.0 + 2.0 * growth);
+        Some(Self {
+            data: &history.state + &((&history.state - &previous) * kappa),
+            tau: dt * (1.0 + growth) / (1.0 + 2.0 * growth),
+        })
+    }
+}
+
+impl History<'_> {
+    /// ũ = u + ω (u − u₋): the next state to second order; `None` as for [`TimeStep::bdf2`].
+    pub fn extrapolated(&self, dt: f64) -> Option<Array2<f64>> {
+        let (previous, growth) = usable(self, dt)?;
+        Some(&self.state + &((&self.state - &previous) * growth))
+    }
+}
+
+fn usable<'a>(history: &History<'a>, dt: f64) -> Option<(ArrayView2<'a, f64>, f64)> {
+    let (previous, previous_dt) = history.previous?;
+    let growth = dt / previous_dt;
+    (growth <= LARGEST_GROWTH).then_some((previous, growth))
+}

@@ -1,0 +1,157 @@
+//! The states a flow passes through, and what was measured on the way.
+
+use ndarray::{Array2, Array3, ArrayView2, Axis};
+
+use crate::error::{Error, Result};
+use crate::operators::{Discretization, total_variation};
+
+/// A flow sampled at N + 1 times.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    /// t₀ = 0 < t₁ < … < t_N.
+    pub times: Vec<f64>,
+    /// u(t_k), (N + 1, C, V).
+    pub states: Array3<f64>,
+    /// TV(u(t_k)) over all channels together, N + 1.
+    pub total_variation: Vec<f64>,
+    /// Duality gap of each step relative to τ TV at its start, N; 0 for linear steps.
+    pub gaps: Vec<f64>,
+}
+
+/// What a step arrived at.
+#[derive(Debug, Clone)]
+pub(super) struct Solution {
+    /// u⁺ (C, V).
+    pub state: Array2<f64>,
+    /// Duality gap of the step's minimisation, absolute.
+    pub gap: f64,
+    /// The step length τ that the gap is measured against.
+    pub tau: f64,
+}
+
+/// TV relative to the initial one below which nothing is left to decay.
+const EXTINCT: f64 = 1e-9;
+
+/// Collects the states of a running flow.
+pub(super) struct Recorder<'a> {
+    operators: &'a Discretization,
+    trajectory: Trajectory,
+}
+
+impl<'a> Recorder<'a> {
+    /// Starts at `initial` (C, V).
+    ///
+    /// # Errors
+    /// If the times do not increase from 0, or a value is not finite.
+    pub fn new(
+        operators: &'a Discretization,
+        initial: ArrayView2<f64>,
+        times: &[f64],
+    ) -> Result<Self> {
+        check_times(times)?;
+        check_values(initial, operators.gradient().vertex_count())?;
+        let (channels, vertices) = initial.dim();
+        let mut states = Array3::zeros((times.len(), channels, vertices));
+        states.index_axis_mut(Axis(0), 0).assign(&initial);
+        let trajectory = Trajectory {
+            times: times.to_vec(),
+            states,
+            total_variation: vec![total_variation(operators.gradient(), initial)],
+            gaps: Vec::new(),
+        };
+        Ok(Self {
+            operators,
+            trajectory,
+        })
+    }
+
+    /// u(t_k).
+    pub fn state(&self, k: usize) -> ArrayView2<'_, f64> {
+        self.trajectory.states.index_axis(Axis(0), k)
+    }
+
+    /// Whether the last state recorded is constant on every component, up to rounding.
+    pub fn is_extinct(&self) -> bool {
+        self.last_total_variation() <= EXTINCT * self.trajectory.total_variation[0]
+    }
+
+    /// Total variation of the last state recorded.
+    pub fn last_total_variation(&self) -> f64 {
+        *self
+            .trajectory
+            .total_variation
+            .last()
+            .expect("starts with one")
+    }
+
+    /// Total variation of `state`.
+    pub fn total_variation(&self, state: &Array2<f64>) -> f64 {
+        total_variation(self.operators.gradient(), state.view())
+    }
+
+    /// Takes the state at the next time.
+    pub fn push(&mut self, solution: &Solution) {
+        let start = self.last_total_variation();
+        let gap = match self.is_extinct() {
+            true => 0.0,
+            false => solution.gap / (solution.tau * start),
+        };
+        let end = self.total_variation(&solution.state);
+        let k = self.trajectory.total_variation.len();
+        self.trajectory
+            .states
+            .index_axis_mut(Axis(0), k)
+            .assign(&solution.state);
+        self.trajectory.total_variation.push(end);
+        self.trajectory.gaps.push(gap);
+    }
+
+    /// The finished trajectory.
+    pub fn finish(self) -> Trajectory {
+        self.trajectory
+    }
+}
+
+fn check_times(times: &[f64]) -> Result<()> {
+    if times.len() < 2 {
+        return Err(Error::Argument(format!(
+            "times needs at least two values, 0 and an end; it has {}",
+            times.len()
+        )));
+    }
+    if times[0] != 0.0 {
+        return Err(Error::Argument(format!(
+            "times[0] must be 0, not {}",
+            times[0]
+        )));
+    }
+    for (k, pair) in times.windows(2).enumerate() {
+        if !(pair[1] > pair[0] && pair[1].is_finite()) {
+            return Err(Error::Argument(format!(
+                "times must increase and be finite, but times[{}] is {} after {}",
+                k + 1,
+                pair[1],
+                pair[0]
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn check_values(values: ArrayView2<f64>, vertex_count: usize) -> Result<()> {
+    let (channels, vertices) = values.dim();
+    if channels == 0 || vertices != vertex_count {
+        return Err(Error::Argument(format!(
+            "values must have one row per vertex ({vertex_count}) and at least one channel, \
+             but have {vertices} rows and {channels} channels"
+        )));
+    }
+    match values.indexed_iter().find(|(_, value)| !value.is_finite()) {
+        Some(((channel, vertex), &value)) => Err(Error::NonFiniteValue {
+            vertex,
+            channel,
+            value,
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,20 @@
+//! Spectral total-variation processing of triangle meshes.
+//!
+//! The methods of Brokman, Burger and Gilboa 2024, "Spectral Total-Variation Processing of
+//! Shapes – Theory and Applications": zero-homogeneous flows on a mesh, their spectral
+//! transform, and filters made of it. Data flows through the modules in this order:
+//!
+//! [`mesh`] → [`operators`] → [`solver`] → [`flow`] → [`spectral`] → [`method`]
+
+#![forbid(unsafe_code)]
+
+pub mod error;
+pub mod flow;
+pub mod mesh;
+pub mod method;
+pub mod monitor;
+pub mod operators;
+pub mod solver;
+pub mod spectral;
+
+pub use error::{Error, Result};

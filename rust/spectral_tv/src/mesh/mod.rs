@@ -1,0 +1,200 @@
+//! The triangle mesh every flow runs on: validated once, immutable afterwards.
+
+mod intrinsic;
+
+use crate::error::{Error, Result};
+use intrinsic::{face_area, mollified_edge_lengths};
+
+/// A triangle mesh with V vertices and F triangles, and the metric g₀ of its shape.
+///
+/// Everything the mathematics needs is intrinsic: the lengths of each triangle's edges. They
+/// are mollified where triangles are degenerate, so zero-area triangles, needles, boundaries,
+/// non-manifold edges, several components and vertices in no triangle are all accepted.
+#[derive(Debug, Clone)]
+pub struct TriangleMesh {
+    vertices: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    edge_lengths: Vec<[f64; 3]>,
+    face_areas: Vec<f64>,
+    vertex_areas: Vec<f64>,
+    area: f64,
+}
+
+impl TriangleMesh {
+    /// Checks the input and measures the mesh.
+    ///
+    /// `vertices`: V positions; `triangles`: F index triples. A triangle that repeats an index
+    /// spans no area and takes no part.
+    ///
+    /// # Errors
+    /// Names the first vertex that is not finite or triangle whose index is out of range; or
+    /// says that there are no triangles or that they span no area.
+    pub fn new(vertices: Vec<[f64; 3]>, triangles: &[[i64; 3]]) -> Result<Self> {
+        check_vertices(&vertices)?;
+        let triangles = check_triangles(triangles, vertices.len())?;
+        let edge_lengths = mollified_edge_lengths(&vertices, &triangles);
+        let face_areas: Vec<f64> = edge_lengths.iter().map(|&l| face_area(l)).collect();
+        let area = face_areas.iter().sum::<f64>();
+        if !(area > 0.0 && area.is_finite()) {
+            return Err(Error::Unusable(format!(
+                "the {} triangles of the mesh span no area that can be measured ({area:e})",
+                triangles.len()
+            )));
+        }
+        let vertex_areas = barycentric_areas(vertices.len(), &triangles, &face_areas);
+        Ok(Self {
+            vertices,
+            triangles,
+            edge_lengths,
+            face_areas,
+            vertex_areas,
+            area,
+        })
+    }
+
+    /// Number of vertices, V.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Positions of the vertices.
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+
+    /// Index triples of the triangles.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Lengths of the edges opposite to each triangle's corners, mollified; all three 0 for a
+    /// triangle that repeats an index.
+    pub fn edge_lengths(&self) -> &[[f64; 3]] {
+        &self.edge_lengths
+    }
+
+    /// Area of each triangle, length².
+    pub fn face_areas(&self) -> &[f64] {
+        &self.face_areas
+    }
+
+    /// Barycentric area of each vertex: a third of its triangles', length². 0 for a vertex in
+    /// no triangle.
+    pub fn vertex_areas(&self) -> &[f64] {
+        &self.vertex_areas
+    }
+
+    /// Area of the whole surface, length².
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+}
+
+/// A third of every triangle's area to each of its corners.
+pub(crate) fn barycentric_areas(
+    vertex_count: usize,
+    triangles: &[[u32; 3]],
+    face_areas: &[f64],
+) -> Vec<f64> {
+    let mut areas = vec![0.0; vertex_count];
+    for (triangle, area) in triangles.iter().zip(face_areas) {
+        for &corner in triangle {
+            areas[corner as usize] += area / 3.0;
+        }
+    }
+    areas
+}
+
+fn check_vertices(vertices: &[[f64; 3]]) -> Result<()> {
+    if u32::try_from(vertices.len()).is_err() {
+        return Err(Error::Unusable(format!(
+            "the mesh has {} vertices; the limit is {}",
+            vertices.len(),
+            u32::MAX
+        )));
+    }
+    match vertices
+        .iter()
+        .position(|p| !p.iter().all(|x| x.is_finite()))
+    {
+        Some(vertex) => Err(Error::NonFiniteVertex {
+            vertex,
+            position: vertices[vertex],
+        }),
+        None => Ok(()),
+    }
+}
+
+fn check_triangles(triangles: &[[i64; 3]], vertex_count: usize) -> Result<Vec<[u32; 3]>> {
+    if triangles.is_empty() {
+        return Err(Error::Unusable("the mesh has no triangles".into()));
+    }
+    let valid = 0..vertex_count as i64;
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|index| !valid.contains(index)) {
+            return Err(match vertex_count {
+                0 => Error::Unusable("the mesh has triangles but no vertices".into()),
+                _ => Error::IndexOutOfRange {
+                    triangle,
+                    index,
+                    last: vertex_count - 1,
+                },
+            });
+        }
+    }
+    Ok(triangles
+        .iter()
+        .map(|t| t.map(|index| index as u32))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Vec<[f64; 3]> {
+        vec![[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]
+    }
+
+    #[test]
+    fn areas_of_a_unit_square() {
+        let mesh = TriangleMesh::new(square(), &[[0, 1, 2], [0, 2, 3]]).unwrap();
+        assert!((mesh.area() - 1.0).abs() < 1e-14);
+        let expected = [1. / 3., 1. / 6., 1. / 3., 1. / 6.];
+        for (area, expected) in mesh.vertex_areas().iter().zip(expected) {
+            assert!((area - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_element() {
+        let mut vertices = square();
+        let error = TriangleMesh::new(vertices.clone(), &[[0, 1, 2], [0, 2, 4]]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "triangle 1 refers to vertex 4, but the vertices are 0 to 3"
+        );
+        let error = TriangleMesh::new(vertices.clone(), &[[0, -1, 2]]).unwrap_err();
+        assert!(error.to_string().contains("triangle 0 refers to vertex -1"));
+        assert!(TriangleMesh::new(vertices.clone(), &[]).is_err());
+        vertices[2][1] = f64::NAN;
+        let error = TriangleMesh::new(vertices, &[[0, 1, 2]]).unwrap_err();
+        assert!(error.to_string().starts_with("vertex 2 has a coordinate"));
+    }
+
+    #[test]
+    fn degenerate_triangles_are_given_a_metric() {
+        let mut vertices = square();
+        vertices.push([0.5, 0.0, 0.0]);
+        let triangles = [[0, 1, 2], [0, 2, 3], [0, 4, 1], [1, 1, 2]];
+        let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
+        assert!(mesh.face_areas()[2] > 0.0 && mesh.face_areas()[2] < 1e-2);
+        assert_eq!(mesh.face_areas()[3], 0.0);
+    }
+
+    #[test]
+    fn a_mesh_without_area_is_refused() {
+        let error = TriangleMesh::new(vec![[1.0; 3]; 3], &[[0, 1, 2]]).unwrap_err();
+        assert!(error.to_string().contains("span no area"));
+    }
+}

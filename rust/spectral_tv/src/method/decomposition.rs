@@ -1,0 +1,104 @@
+//! A shape split into scales.
+
+use ndarray::Array2;
+
+use crate::error::Result;
+use crate::method::Displacement;
+use crate::spectral::{SpectralTransform, check_edges};
+
+/// The spectral components of a shape, as displacements of its vertices.
+#[derive(Debug, Clone)]
+pub struct Decomposition {
+    transform: SpectralTransform,
+    /// How M3's scalars become shapes; `None` where the positions themselves were flowed.
+    displacement: Option<Displacement>,
+    spectrum: Vec<f64>,
+}
+
+impl Decomposition {
+    /// Puts together a transform and, for M3, the representation of the shape it is of.
+    pub(super) fn new(
+        transform: SpectralTransform,
+        displacement: Option<Displacement>,
+        vertex_areas: &[f64],
+    ) -> Self {
+        let spectrum = transform.spectrum(vertex_areas);
+        Self {
+            transform,
+            displacement,
+            spectrum,
+        }
+    }
+
+    /// t₀ = 0 < t₁ < … < t_N, length².
+    pub fn times(&self) -> &[f64] {
+        self.transform.times()
+    }
+
+    /// t₁ … t_{N−1}, the times of the components, length².
+    pub fn component_times(&self) -> &[f64] {
+        self.transform.component_times()
+    }
+
+    /// S(t_k) = Σ_v M_v |φ_k(v)|, N − 1 values, length³.
+    pub fn spectrum(&self) -> &[f64] {
+        &self.spectrum
+    }
+
+    /// The transform of the function that was flowed.
+    pub fn transform(&self) -> &SpectralTransform {
+        &self.transform
+    }
+
+    /// The shape that is left once every component is removed, (3, V).
+    pub fn residual(&self) -> Array2<f64> {
+        self.shape(self.transform.residual())
+    }
+
+    /// The displacement that each band between neighbouring `edges` adds, (3, V) each: the sum
+    /// of φ_k over edge_i ≤ t_k < edge_{i+1}.
+    ///
+    /// # Errors
+    /// If the edges do not increase.
+    pub fn bands(&self, edges: &[f64]) -> Result<Vec<Array2<f64>>> {
+        check_edges(edges)?;
+        let bands = edges.windows(2).map(|edge| {
+            let gains: Vec<f64> = self
+                .component_times()
+                .iter()
+                .map(|t| {
+                    if (edge[0]..edge[1]).contains(t) {
+                        1.0
+                    } else {
+                        0.0
+                    }
+                })
+                .collect();
+            self.displace(self.transform.combination(&gains))
+        });
+        Ok(bands.collect())
+    }
+
+    /// The shape filtered by H, given as N − 1 values H(t_k), (3, V).
+    ///
+    /// # Errors
+    /// If `gains` are not N − 1 finite values.
+    pub fn filter(&self, gains: &[f64]) -> Result<Array2<f64>> {
+        Ok(self.shape(self.transform.filter(gains)?))
+    }
+
+    fn displace(&self, values: Array2<f64>) -> Array2<f64> {
+        match &self.displacement {
+            Some(displacement) => displacement.along_direction(values.view()),
+            None => values,
+        }
+    }
+
+    fn shape(&self, values: Array2<f64>) -> Array2<f64> {
+        let shape = self.displace(values);
+        match &self.displacement {
+            Some(displacement) => shape + &displacement.base,
+            None => shape,
+        }
+    }
+}

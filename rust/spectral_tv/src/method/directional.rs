@@ -1,0 +1,150 @@
+//! M3's representation of a shape: a scalar displacement from a smooth base, S = Ŝ + f d̂.
+
+use ndarray::{Array2, ArrayView2, Axis};
+
+use crate::error::{Error, Result};
+use crate::flow::conformal_mean_curvature_flow;
+use crate::mesh::TriangleMesh;
+use crate::monitor::Stage;
+use crate::operators::{Discretization, positions};
+
+/// How far cMCF flows for the default base, relative to the surface area, and in how many
+/// steps: enough to swallow limbs and leave a smooth body.
+const BASE_TIME: f64 = 5e-3;
+const BASE_STEPS: usize = 10;
+/// Distances from the base below this, relative to the shape's size, have no direction.
+const COINCIDENT: f64 = 1e-12;
+
+/// The smooth base Ŝ of M3.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Base {
+    /// The shape itself under conformalized mean curvature flow.
+    ConformalFlow {
+        /// Duration in length²; `None`: 5e-3 of the area.
+        time: Option<f64>,
+        /// Number of equal steps; `None`: 10.
+        steps: Option<usize>,
+    },
+    /// Any shape with the same triangles, (3, V).
+    Shape(Array2<f64>),
+}
+
+impl Default for Base {
+    fn default() -> Self {
+        Self::ConformalFlow {
+            time: None,
+            steps: None,
+        }
+    }
+}
+
+impl Base {
+    /// Ŝ for `mesh`, (3, V).
+    ///
+    /// # Errors
+    /// If a given shape has another number of vertices or a coordinate that is not finite; or
+    /// as [`conformal_mean_curvature_flow`].
+    pub fn shape(
+        &self,
+        mesh: &TriangleMesh,
+        operators: &Discretization,
+        stage: Stage,
+    ) -> Result<Array2<f64>> {
+        match self {
+            Self::ConformalFlow { time, steps } => conformal_mean_curvature_flow(
+                mesh,
+                operators,
+                time.unwrap_or(BASE_TIME * mesh.area()),
+                steps.unwrap_or(BASE_STEPS),
+                stage,
+            ),
+            Self::Shape(shape) => {
+                if shape.dim() != (3, mesh.vertex_count()) {
+                    return Err(Error::Argument(format!(
+                        "base must have one position per vertex ({}), but has {}",
+                        mesh.vertex_count(),
+                        shape.ncols()
+                    )));
+                }
+                match shape.indexed_iter().find(|(_, value)| !value.is_finite()) {
+                    Some(((axis, vertex), value)) => Err(Error::Argument(format!(
+                        "base vertex {vertex} has a coordinate ({axis}) that is not finite: \
+                         {value}"
+                    ))),
+                    None => Ok(shape.clone()),
+                }
+            }
+        }
+    }
+}
+
+/// S = Ŝ + f d̂ (Brokman et al. 2024, Sec. 6.5).
+#[derive(Debug, Clone)]
+pub struct Displacement {
+    /// Ŝ, (3, V).
+    pub base: Array2<f64>,
+    /// d̂, unit vectors that point outwards, (3, V).
+    pub direction: Array2<f64>,
+    /// f, signed distances along d̂, (1, V).
+    pub distance: Array2<f64>,
+}
+
+impl Displacement {
+    /// f = α|S − Ŝ| and d̂ = α(S − Ŝ)/|S − Ŝ|, α = ±1 such that d̂ points to the same side as
+    /// the normal of Ŝ; the normal itself where S and Ŝ coincide.
+    pub fn between(mesh: &TriangleMesh, base: Array2<f64>) -> Self {
+        let shape = positions(mesh);
+        let normals = vertex_normals(base.view(), mesh.triangles());
+        let smallest = COINCIDENT * mesh.area().sqrt();
+        let mut direction = &shape - &base;
+        let mut distance = Array2::zeros((1, base.ncols()));
+        for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {
+            let normal = normals.column(vertex);
+            let length = column.dot(&column).sqrt();
+            if length <= smallest {
+                column.assign(&normal);
+                continue;
+            }
+            let sign = if column.dot(&normal) < 0.0 { -1.0 } else { 1.0 };
+            distance[[0, vertex]] = sign * length;
+            column.mapv_inplace(|component| sign * component / length);
+        }
+        Self {
+            base,
+            direction,
+            distance,
+        }
+    }
+
+    /// `values` (1, V) times d̂: a displacement, (3, V).
+    pub fn along_direction(&self, values: ArrayView2<f64>) -> Array2<f64> {
+        &self.direction * &values
+    }
+}
+
+/// Area-weighted unit normals of the vertices; 0 for a vertex in no triangle.
+fn vertex_normals(shape: ArrayView2<f64>, triangles: &[[u32; 3]]) -> Array2<f64> {
+    let mut normals = Array2::<f64>::zeros(shape.dim());
+    for corners in triangles {
+        let [i, j, k] = corners.map(|corner| corner as usize);
+        let p: [f64; 3] = std::array::from_fn(|axis| shape[[axis, j]] - shape[[axis, i]]);
+        let q: [f64; 3] = std::array::from_fn(|axis| shape[[axis, k]] - shape[[axis, i]]);
+        let normal = [
+            p[1] * q[2] - p[2] * q[1],
+            p[2] * q[0] - p[0] * q[2],
+            p[0] * q[1] - p[1] * q[0],
+        ];
+        for vertex in [i, j, k] {
+            for axis in 0..3 {
+                normals[[axis, vertex]] += normal[axis];
+            }
+        }
+    }
+    for mut normal in normals.axis_iter_mut(Axis(1)) {
+        let length = normal.dot(&normal).sqrt();
+        if length > 0.0 {
+            normal /= length;
+        }
+    }
+    normals
+}

@@ -1,0 +1,35 @@
+//! The methods that decompose a shape: which function is flowed, by which law, and how a
+//! filtered function becomes a shape again.
+//!
+//! A new method is a variant of [`Method`] and an arm of `run` in `decompose`.
+
+mod decompose;
+mod decomposition;
+mod directional;
+mod schedule;
+
+pub use decompose::{Scheme, Settings, decompose, run_flow};
+pub use decomposition::Decomposition;
+pub use directional::{Base, Displacement};
+pub use schedule::default_times;
+
+/// A method of decomposing a shape into scales.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Method {
+    /// Linear heat flow of the coordinates, for comparison.
+    Heat,
+    /// Each coordinate by its own TV flow; squares shapes along the axes (Sec. 6.2).
+    Naive,
+    /// M1, shape spectral TV: the coordinates together, in the metric of the shape (Sec. 6.3).
+    ShapeTv,
+    /// M2, conformalized P-Laplace (Sec. 6.4).
+    ConformalLaplace {
+        /// P: 1, 2 or 3. Only P = 3 is zero-homogeneous.
+        p: u32,
+    },
+    /// M3, directional TV: the displacement from a smooth base (Sec. 6.5).
+    DirectionalTv {
+        /// The smooth base Ŝ.
+        base: Base,
+    },
+}

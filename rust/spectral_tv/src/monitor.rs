@@ -1,0 +1,96 @@
+//! Progress and cancellation, shared between the thread that works and those that watch.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use crate::error::{Error, Result};
+
+/// Steps in which the fraction done is counted.
+const RESOLUTION: f64 = 1e6;
+
+/// A fraction of work done and a request to stop; lock-free, so that watching costs nothing.
+#[derive(Debug, Default)]
+pub struct Monitor {
+    fraction: AtomicU32,
+    cancelled: AtomicBool,
+}
+
+impl Monitor {
+    /// A monitor at 0, not cancelled.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The fraction of the work done, in [0, 1].
+    pub fn fraction(&self) -> f64 {
+        f64::from(self.fraction.load(Ordering::Relaxed)) / RESOLUTION
+    }
+
+    /// Asks the work to stop at its next check.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Refuses to go on once cancelled.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn check(&self) -> Result<()> {
+        match self.cancelled.load(Ordering::Relaxed) {
+            true => Err(Error::Cancelled),
+            false => Ok(()),
+        }
+    }
+
+    /// The part [`from`, `to`] of the whole, to be handed to one stage of the work.
+    pub fn stage(&self, from: f64, to: f64) -> Stage<'_> {
+        Stage {
+            monitor: self,
+            from,
+            to,
+        }
+    }
+
+    /// The whole as one stage.
+    pub fn whole(&self) -> Stage<'_> {
+        self.stage(0.0, 1.0)
+    }
+}
+
+/// A share of a [`Monitor`]'s range, reported to from 0 to 1 by one stage of the work.
+#[derive(Debug, Clone, Copy)]
+pub struct Stage<'a> {
+    monitor: &'a Monitor,
+    from: f64,
+    to: f64,
+}
+
+impl Stage<'_> {
+    /// Records that `fraction` of this stage is done.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] once the monitor was cancelled.
+    pub fn report(&self, fraction: f64) -> Result<()> {
+        let overall = self.from + (self.to - self.from) * fraction.clamp(0.0, 1.0);
+        let counted = (overall * RESOLUTION) as u32;
+        self.monitor.fraction.store(counted, Ordering::Relaxed);
+        self.check()
+    }
+
+    /// Refuses to go on once cancelled.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn check(&self) -> Result<()> {
+        self.monitor.check()
+    }
+
+    /// The part [`from`, `to`] of this stage.
+    pub fn stage(&self, from: f64, to: f64) -> Self {
+        let width = self.to - self.from;
+        Self {
+            monitor: self.monitor,
+            from: self.from + width * from,
+            to: self.from + width * to,
+        }
+    }
+}

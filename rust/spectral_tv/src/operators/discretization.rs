@@ -1,0 +1,65 @@
+//! The operators of one mesh together, built once and shared by all steps.
+
+use ndarray::Array2;
+
+use crate::mesh::TriangleMesh;
+use crate::operators::{Gradient, LaplacianPattern};
+
+/// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
+#[derive(Debug, Clone)]
+pub struct Discretization {
+    gradient: Gradient,
+    pattern: LaplacianPattern,
+    masses: Vec<f64>,
+    area: f64,
+}
+
+impl Discretization {
+    /// The operators of `mesh`.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        let gradient = Gradient::new(mesh);
+        let pattern = LaplacianPattern::new(&gradient);
+        Self {
+            gradient,
+            pattern,
+            masses: invertible_masses(mesh.vertex_areas()),
+            area: mesh.area(),
+        }
+    }
+
+    /// The gradient and the face areas.
+    pub fn gradient(&self) -> &Gradient {
+        &self.gradient
+    }
+
+    /// The pattern of weighted Laplacians.
+    pub fn pattern(&self) -> &LaplacianPattern {
+        &self.pattern
+    }
+
+    /// M: the lumped mass of every vertex, length², positive everywhere.
+    pub fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
+    /// Area of the surface, length².
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+}
+
+/// Vertex areas, with the mean in place of 0: a vertex in no triangle has no neighbours either,
+/// so any mass keeps it where it is and M invertible.
+fn invertible_masses(vertex_areas: &[f64]) -> Vec<f64> {
+    let mean = vertex_areas.iter().sum::<f64>() / vertex_areas.len() as f64;
+    vertex_areas
+        .iter()
+        .map(|&area| if area > 0.0 { area } else { mean })
+        .collect()
+}
+
+/// The positions of a mesh's vertices as a function with three channels, (3, V), in length.
+pub fn positions(mesh: &TriangleMesh) -> Array2<f64> {
+    let vertices = mesh.vertices();
+    Array2::from_shape_fn((3, vertices.len()), |(axis, vertex)| vertices[vertex][axis])
+}

@@ -1,0 +1,170 @@
+//! The per-face gradient G and its adjoint.
+
+use ndarray::{ArrayView1, ArrayView2};
+use sprs::{CsMat, TriMat};
+
+use crate::mesh::TriangleMesh;
+
+/// A tangent vector of a face, in the face's own orthonormal frame, per unit of length.
+pub type FaceVector = [f64; 2];
+
+/// G: the gradients of the three hat functions on every face (2F × V as a matrix).
+///
+/// Frames are intrinsic (first axis along the first edge), so nothing here depends on where the
+/// mesh lies in space.
+#[derive(Debug, Clone)]
+pub struct Gradient {
+    hats: Vec<[FaceVector; 3]>,
+    triangles: Vec<[u32; 3]>,
+    face_areas: Vec<f64>,
+    vertex_count: usize,
+}
+
+impl Gradient {
+    /// The gradient operator of the mesh's metric.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        let hats = mesh
+            .edge_lengths()
+            .iter()
+            .zip(mesh.face_areas())
+            .map(|(&lengths, &area)| hat_gradients(lengths, area))
+            .collect();
+        Self {
+            hats,
+            triangles: mesh.triangles().to_vec(),
+            face_areas: mesh.face_areas().to_vec(),
+            vertex_count: mesh.vertex_count(),
+        }
+    }
+
+    /// Area of each face, length².
+    pub fn face_areas(&self) -> &[f64] {
+        &self.face_areas
+    }
+
+    /// Number of vertices, V.
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// Vertices of each face.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Gradients of the three hat functions of each face.
+    pub fn hats(&self) -> &[[FaceVector; 3]] {
+        &self.hats
+    }
+
+    /// ∇u of one channel on one face.
+    #[inline]
+    pub fn on_face(&self, face: usize, channel: &ArrayView1<f64>) -> FaceVector {
+        let [i, j, k] = self.triangles[face].map(|corner| corner as usize);
+        let [hat_i, hat_j, hat_k] = self.hats[face];
+        // Differences, so that adding a constant to u changes nothing.
+        let (along_j, along_k) = (channel[j] - channel[i], channel[k] - channel[i]);
+        debug_assert!((hat_i[0] + hat_j[0] + hat_k[0]).abs() <= 1e-6 * hat_i[0].abs().max(1.0));
+        [
+            hat_j[0] * along_j + hat_k[0] * along_k,
+            hat_j[1] * along_j + hat_k[1] * along_k,
+        ]
+    }
+
+    /// ∇u of one channel on every face.
+    pub fn apply(&self, channel: ArrayView1<f64>) -> Vec<FaceVector> {
+        (0..self.hats.len())
+            .map(|face| self.on_face(face, &channel))
+            .collect()
+    }
+
+    /// |∇u|² on every face, over all channels of `values` (C, V) together.
+    pub fn squared_norms(&self, values: ArrayView2<f64>) -> Vec<f64> {
+        let mut squares = vec![0.0; self.hats.len()];
+        for channel in values.rows() {
+            for (face, square) in squares.iter_mut().enumerate() {
+                let [x, y] = self.on_face(face, &channel);
+                *square += x * x + y * y;
+            }
+        }
+        squares
+    }
+
+    /// Gᵀ A z: the integrated negative divergence at every vertex of a field with one vector
+    /// per face, which `field` gives.
+    pub fn adjoint(&self, field: impl Fn(usize) -> FaceVector) -> Vec<f64> {
+        let mut divergence = vec![0.0; self.vertex_count];
+        for (face, (corners, hats)) in self.triangles.iter().zip(&self.hats).enumerate() {
+            let [x, y] = field(face);
+            let area = self.face_areas[face];
+            for (&corner, hat) in corners.iter().zip(hats) {
+                divergence[corner as usize] += area * (hat[0] * x + hat[1] * y);
+            }
+        }
+        divergence
+    }
+
+    /// Gᵀ A w G u of one channel: the weighted Laplacian applied without a matrix.
+    pub fn weighted_laplacian(&self, weights: &[f64], channel: ArrayView1<f64>) -> Vec<f64> {
+        self.adjoint(|face| {
+            self.on_face(face, &channel)
+                .map(|component| weights[face] * component)
+        })
+    }
+
+    /// G as a sparse matrix: rows 2f and 2f + 1 give the vector of face f.
+    pub fn matrix(&self) -> CsMat<f64> {
+        let mut entries = TriMat::new((2 * self.hats.len(), self.vertex_count));
+        for (face, (corners, hats)) in self.triangles.iter().zip(&self.hats).enumerate() {
+            for (&corner, hat) in corners.iter().zip(hats) {
+                entries.add_triplet(2 * face, corner as usize, hat[0]);
+                entries.add_triplet(2 * face + 1, corner as usize, hat[1]);
+            }
+        }
+        entries.to_csr()
+    }
+}
+
+/// ∇λ of each corner, from the triangle laid out in the plane; zero for a face without area.
+fn hat_gradients([a, b, c]: [f64; 3], area: f64) -> [FaceVector; 3] {
+    if area == 0.0 {
+        return [[0.0; 2]; 3];
+    }
+    let (x, y) = ((b * b + c * c - a * a) / (2.0 * c), 2.0 * area / c);
+    let twice = 2.0 * area;
+    [
+        [-y / twice, (x - c) / twice],
+        [y / twice, -x / twice],
+        [0.0, c / twice],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+
+    #[test]
+    fn the_identity_has_a_gradient_of_norm_sqrt_two() {
+        let vertices = vec![[0., 0., 0.], [3., 0.5, 1.], [0.2, 2., -1.], [1., 1., 4.]];
+        let triangles = [[0, 1, 2], [1, 3, 2]];
+        let mesh = TriangleMesh::new(vertices.clone(), &triangles).unwrap();
+        let positions = Array2::from_shape_fn((3, 4), |(c, v)| vertices[v][c]);
+        for square in Gradient::new(&mesh).squared_norms(positions.view()) {
+            assert!((square - 2.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_matrix_agrees_with_the_loops() {
+        let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0.3, 2., 0.5], [1., 1., -1.]];
+        let mesh = TriangleMesh::new(vertices, &[[0, 1, 2], [1, 3, 2]]).unwrap();
+        let gradient = Gradient::new(&mesh);
+        let channel = ndarray::arr1(&[1.0, -2.0, 0.5, 3.0]);
+        let product = &gradient.matrix() * &channel;
+        for (face, vector) in gradient.apply(channel.view()).iter().enumerate() {
+            assert!((product[2 * face] - vector[0]).abs() < 1e-13);
+            assert!((product[2 * face + 1] - vector[1]).abs() < 1e-13);
+        }
+    }
+}

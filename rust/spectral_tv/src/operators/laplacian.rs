@@ -1,0 +1,162 @@
+//! L(w) = Gᵀ diag(A w) G, and the systems M + τ L(w): one fixed sparsity pattern.
+
+use sprs::CsMatI;
+
+use crate::operators::{FaceVector, Gradient};
+
+/// The sparsity pattern shared by every weighted Laplacian of a mesh, and where each face's
+/// entries go.
+///
+/// Matrices are lower triangles in compressed columns, as the Cholesky factorization reads them.
+#[derive(Debug, Clone)]
+pub struct LaplacianPattern {
+    column_starts: Vec<u32>,
+    rows: Vec<u32>,
+    /// Positions of each face's three off-diagonal entries, opposite to its corners.
+    edge_entries: Vec<[u32; 3]>,
+}
+
+impl LaplacianPattern {
+    /// The pattern of the mesh that `gradient` belongs to.
+    pub fn new(gradient: &Gradient) -> Self {
+        let columns = sorted_columns(gradient);
+        let mut column_starts = Vec::with_capacity(columns.len() + 1);
+        column_starts.push(0);
+        let mut rows = Vec::new();
+        for column in &columns {
+            rows.extend_from_slice(column);
+            column_starts.push(rows.len() as u32);
+        }
+        let entry = |i: u32, j: u32| {
+            let (column, row) = (i.min(j) as usize, i.max(j));
+            let offset = columns[column].binary_search(&row);
+            column_starts[column] + offset.expect("every edge is in the pattern") as u32
+        };
+        let edge_entries = gradient
+            .triangles()
+            .iter()
+            .map(|&[i, j, k]| [entry(j, k), entry(k, i), entry(i, j)])
+            .collect();
+        Self {
+            column_starts,
+            rows,
+            edge_entries,
+        }
+    }
+
+    /// A matrix of this pattern with all entries 0.
+    pub fn zeros(&self) -> CsMatI<f64, u32> {
+        let size = self.column_starts.len() - 1;
+        CsMatI::new_csc(
+            (size, size),
+            self.column_starts.clone(),
+            self.rows.clone(),
+            vec![0.0; self.rows.len()],
+        )
+    }
+
+    /// Fills `system` with diag(`diagonal`) + Σ_f K_f, where `stiffness` gives the off-diagonal
+    /// entries of each face's K_f, opposite to its corners. Rows of every K_f sum to 0.
+    pub fn assemble(
+        &self,
+        gradient: &Gradient,
+        diagonal: &[f64],
+        stiffness: impl Fn(usize) -> [f64; 3],
+        system: &mut CsMatI<f64, u32>,
+    ) {
+        let values = system.data_mut();
+        values.fill(0.0);
+        // The diagonal is the first entry of its column, as rows are sorted.
+        for (start, value) in self.column_starts.iter().zip(diagonal) {
+            values[*start as usize] = *value;
+        }
+        for (face, (corners, entries)) in gradient
+            .triangles()
+            .iter()
+            .zip(&self.edge_entries)
+            .enumerate()
+        {
+            let edges = stiffness(face);
+            let [a, b, c] = edges;
+            for (&entry, edge) in entries.iter().zip(edges) {
+                values[entry as usize] += edge;
+            }
+            for (&corner, sum) in corners.iter().zip([b + c, c + a, a + b]) {
+                values[self.column_starts[corner as usize] as usize] -= sum;
+            }
+        }
+    }
+}
+
+/// The off-diagonal entries, opposite to the corners, of a face's stiffness A w Gᵀ G.
+#[inline]
+pub fn element_stiffness(hats: &[FaceVector; 3], scale: f64) -> [f64; 3] {
+    let dot = |p: FaceVector, q: FaceVector| scale * (p[0] * q[0] + p[1] * q[1]);
+    [
+        dot(hats[1], hats[2]),
+        dot(hats[2], hats[0]),
+        dot(hats[0], hats[1]),
+    ]
+}
+
+/// The lower triangle's row indices, sorted, column by column, the diagonal first.
+fn sorted_columns(gradient: &Gradient) -> Vec<Vec<u32>> {
+    let mut columns: Vec<Vec<u32>> = (0..gradient.vertex_count() as u32)
+        .map(|vertex| vec![vertex])
+        .collect();
+    for &[i, j, k] in gradient.triangles() {
+        for (p, q) in [(i, j), (j, k), (k, i)] {
+            columns[p.min(q) as usize].push(p.max(q));
+        }
+    }
+    for column in &mut columns {
+        column.sort_unstable();
+        column.dedup();
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriangleMesh;
+
+    #[test]
+    fn assembly_equals_the_product_of_the_gradient() {
+        let vertices = vec![
+            [0., 0., 0.],
+            [1., 0., 0.],
+            [0.3, 2., 0.5],
+            [1., 1., -1.],
+            [9., 9., 9.],
+        ];
+        // A fin on edge 1-2 makes it non-manifold; vertex 4 is in a repeated-index face only.
+        let triangles = [[0, 1, 2], [1, 3, 2], [2, 1, 0], [4, 4, 1]];
+        let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
+        let gradient = Gradient::new(&mesh);
+        let weights = [2.0, 0.5, 3.0, 7.0];
+        let pattern = LaplacianPattern::new(&gradient);
+        let mut lower = pattern.zeros();
+        let stiffness = |face: usize| {
+            let scale = gradient.face_areas()[face] * weights[face];
+            element_stiffness(&gradient.hats()[face], scale)
+        };
+        pattern.assemble(&gradient, &[0.0; 5], stiffness, &mut lower);
+
+        let g = gradient.matrix();
+        let scaled = g.clone();
+        let mut scaled = scaled.into_csr();
+        for (row, mut vector) in scaled.outer_iterator_mut().enumerate() {
+            let factor = weights[row / 2] * gradient.face_areas()[row / 2];
+            vector.iter_mut().for_each(|(_, value)| *value *= factor);
+        }
+        let product = (&g.transpose_view().to_csr() * &scaled).to_dense();
+        let mut assembled = lower.to_dense();
+        for i in 0..5 {
+            for j in i + 1..5 {
+                assembled[[i, j]] = assembled[[j, i]];
+            }
+        }
+        assert!((&product - &assembled).iter().all(|d| d.abs() < 1e-12));
+    }
+}

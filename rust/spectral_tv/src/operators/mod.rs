@@ -1,0 +1,13 @@
+//! The discrete operators on piecewise linear functions: one value per vertex and channel.
+//!
+//! A function with C channels is an array of shape (C, V), each channel contiguous.
+
+mod discretization;
+mod gradient;
+mod laplacian;
+mod total_variation;
+
+pub use discretization::{Discretization, positions};
+pub use gradient::{FaceVector, Gradient};
+pub use laplacian::{LaplacianPattern, element_stiffness};
+pub use total_variation::total_variation;
