@@ -1,1 +1,30 @@
-//! x
+//! Python bindings: NumPy in, NumPy out, the work in a thread without the GIL.
+
+mod arrays;
+mod decomposition;
+mod error;
+mod flow;
+mod job;
+mod mesh;
+mod settings;
+
+use pyo3::prelude::*;
+
+/// Native part of the package `spectral_tv`.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("MeshError", py.get_type::<error::MeshError>())?;
+    module.add("Cancelled", py.get_type::<error::Cancelled>())?;
+    module.add_class::<mesh::Mesh>()?;
+    module.add_class::<flow::Flow>()?;
+    module.add_class::<decomposition::Decomposition>()?;
+    module.add_class::<job::Job>()?;
+    module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::start_decompose, module)?)?;
+    module.add_function(wrap_pyfunction!(flow::flow, module)?)?;
+    module.add_function(wrap_pyfunction!(flow::conformal_flow, module)?)?;
+    module.add_function(wrap_pyfunction!(flow::total_variation, module)?)?;
+    Ok(())
+}

@@ -2,6 +2,7 @@
 
 use ndarray::ArrayView2;
 
+use crate::error::Result;
 use crate::flow::law::Law;
 use crate::flow::proximal::duality_gap;
 use crate::flow::time_step::TimeStep;
@@ -20,11 +21,15 @@ pub struct TotalVariation {
 
 impl TotalVariation {
     /// The law for a flow that starts at `initial` (C, V); ε is 1e-3 of its mean gradient.
-    pub fn starting_at(operators: &Discretization, initial: ArrayView2<f64>) -> Self {
+    ///
+    /// # Errors
+    /// If `initial` is not a finite function on the mesh.
+    pub fn starting_at(operators: &Discretization, initial: ArrayView2<f64>) -> Result<Self> {
+        operators.check_values(initial)?;
         let mean = total_variation(operators.gradient(), initial) / operators.area();
         // A constant function has no gradient; any ε keeps it as it is.
         let epsilon = if mean > 0.0 { SMOOTHING * mean } else { 1.0 };
-        Self { epsilon }
+        Ok(Self { epsilon })
     }
 }
 

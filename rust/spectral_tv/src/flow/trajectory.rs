@@ -49,7 +49,7 @@ impl<'a> Recorder<'a> {
         times: &[f64],
     ) -> Result<Self> {
         check_times(times)?;
-        check_values(initial, operators.gradient().vertex_count())?;
+        operators.check_values(initial)?;
         let (channels, vertices) = initial.dim();
         let mut states = Array3::zeros((times.len(), channels, vertices));
         states.index_axis_mut(Axis(0), 0).assign(&initial);
@@ -136,22 +136,4 @@ fn check_times(times: &[f64]) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn check_values(values: ArrayView2<f64>, vertex_count: usize) -> Result<()> {
-    let (channels, vertices) = values.dim();
-    if channels == 0 || vertices != vertex_count {
-        return Err(Error::Argument(format!(
-            "values must have one row per vertex ({vertex_count}) and at least one channel, \
-             but have {vertices} rows and {channels} channels"
-        )));
-    }
-    match values.indexed_iter().find(|(_, value)| !value.is_finite()) {
-        Some(((channel, vertex), &value)) => Err(Error::NonFiniteValue {
-            vertex,
-            channel,
-            value,
-        }),
-        None => Ok(()),
-    }
 }

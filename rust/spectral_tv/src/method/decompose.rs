@@ -57,7 +57,7 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     };
     let tv = |values: &Array2<f64>, stage: Stage| {
         run(
-            &TotalVariation::starting_at(&operators, values.view()),
+            &TotalVariation::starting_at(&operators, values.view())?,
             values,
             stage,
         )

@@ -1,7 +1,8 @@
 //! The operators of one mesh together, built once and shared by all steps.
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
+use crate::error::{Error, Result};
 use crate::mesh::TriangleMesh;
 use crate::operators::{Gradient, LaplacianPattern};
 
@@ -45,6 +46,29 @@ impl Discretization {
     /// Area of the surface, length².
     pub fn area(&self) -> f64 {
         self.area
+    }
+
+    /// Refuses `values` that are not a finite function on this mesh, (C, V) with C ≥ 1.
+    ///
+    /// # Errors
+    /// Names the shape, or the first vertex and channel whose value is not finite.
+    pub fn check_values(&self, values: ArrayView2<f64>) -> Result<()> {
+        let (channels, vertices) = values.dim();
+        if channels == 0 || vertices != self.masses.len() {
+            return Err(Error::Argument(format!(
+                "values must have one row per vertex ({}) and at least one channel, but have \
+                 {vertices} rows and {channels} channels",
+                self.masses.len()
+            )));
+        }
+        match values.indexed_iter().find(|(_, value)| !value.is_finite()) {
+            Some(((channel, vertex), &value)) => Err(Error::NonFiniteValue {
+                vertex,
+                channel,
+                value,
+            }),
+            None => Ok(()),
+        }
     }
 }
 

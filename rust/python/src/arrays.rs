@@ -1,0 +1,124 @@
+//! NumPy arrays to the arrays of the mathematics and back.
+//!
+//! Python has a row per vertex, (V, C); the mathematics a row per channel, (C, V).
+
+use ndarray::{Array2, Array3};
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::MeshError;
+
+/// Kinds of NumPy dtypes that hold numbers: signed, unsigned and floating.
+const NUMBERS: &str = "iuf";
+const INTEGERS: &str = "iu";
+
+/// Reads an array of numbers of any shape, dtype and layout as float64.
+fn numbers<'py>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    kinds: &str,
+    dtype: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let numpy = value.py().import("numpy")?;
+    let refuse = |found: &str| {
+        let wanted = if kinds == INTEGERS {
+            "integers"
+        } else {
+            "numbers"
+        };
+        MeshError::new_err(format!("{name} must be an array of {wanted}, not {found}"))
+    };
+    let array = numpy
+        .call_method1("asarray", (value,))
+        .map_err(|error| refuse(&error.to_string()))?;
+    let found = array.getattr("dtype")?;
+    let kind: String = found.getattr("kind")?.extract()?;
+    if !kinds.contains(&kind) {
+        return Err(refuse(&format!("of {found}")));
+    }
+    let options = PyDict::new(value.py());
+    options.set_item("dtype", dtype)?;
+    options.set_item("order", "C")?;
+    array.call_method("astype", (), Some(&options))
+}
+
+/// An array of shape (rows, 3) as rows.
+fn triples<T: numpy::Element + Copy>(
+    name: &str,
+    array: &Bound<'_, PyAny>,
+) -> PyResult<Vec<[T; 3]>> {
+    let array = array.cast::<PyArrayDyn<T>>()?;
+    let shape = array.shape();
+    if shape.len() != 2 || shape[1] != 3 {
+        return Err(MeshError::new_err(format!(
+            "{name} must have the shape (rows, 3), not {shape:?}"
+        )));
+    }
+    let read = array.readonly();
+    let (rows, _) = read.as_slice()?.as_chunks::<3>();
+    Ok(rows.to_vec())
+}
+
+/// Positions, (V, 3) numbers.
+pub fn positions(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
+    triples(name, &numbers(name, value, NUMBERS, "float64")?)
+}
+
+/// Index triples, (F, 3) integers.
+pub fn index_triples(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[i64; 3]>> {
+    triples(name, &numbers(name, value, INTEGERS, "int64")?)
+}
+
+/// Values of shape (V,) or (V, C) as (C, V), and whether they had the first shape.
+pub fn channels(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(Array2<f64>, bool)> {
+    let array = numbers(name, value, NUMBERS, "float64")?;
+    let array = array.cast::<PyArrayDyn<f64>>()?;
+    let shape = array.shape().to_vec();
+    let (rows, count) = match shape[..] {
+        [rows] => (rows, 1),
+        [rows, count] => (rows, count),
+        _ => {
+            return Err(MeshError::new_err(format!(
+                "{name} must have the shape (V,) or (V, C), not {shape:?}"
+            )));
+        }
+    };
+    let read = array.readonly();
+    let flat = read.as_slice()?;
+    let values = Array2::from_shape_fn((count, rows), |(c, v)| flat[v * count + c]);
+    Ok((values, shape.len() == 1))
+}
+
+/// A list of numbers, (N,).
+pub fn list(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let array = numbers(name, value, NUMBERS, "float64")?;
+    let array = array.cast::<PyArrayDyn<f64>>()?;
+    if array.ndim() != 1 {
+        return Err(MeshError::new_err(format!(
+            "{name} must be a list of numbers, not an array of shape {:?}",
+            array.shape()
+        )));
+    }
+    Ok(array.readonly().as_slice()?.to_vec())
+}
+
+/// (C, V) as a NumPy array (V, C).
+pub fn per_vertex<'py>(py: Python<'py>, values: &Array2<f64>) -> Bound<'py, PyArray2<f64>> {
+    values
+        .t()
+        .as_standard_layout()
+        .into_owned()
+        .into_pyarray(py)
+}
+
+/// Several (C, V) as one NumPy array (K, V, C).
+pub fn stacked<'py>(
+    py: Python<'py>,
+    count: usize,
+    vertices: usize,
+    channels: usize,
+    value: impl Fn(usize, usize, usize) -> f64,
+) -> Bound<'py, PyArray3<f64>> {
+    Array3::from_shape_fn((count, vertices, channels), |(k, v, c)| value(k, v, c)).into_pyarray(py)
+}

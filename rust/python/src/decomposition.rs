@@ -1,0 +1,250 @@
+//! The class `Decomposition` and the functions that make one.
+
+use std::sync::Arc;
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
+use pyo3::prelude::*;
+use spectral_tv::method;
+use spectral_tv::spectral::logarithmic_edges;
+
+use crate::arrays;
+use crate::error::Failure;
+use crate::flow::Flow;
+use crate::job::{Convert, Job, Task};
+use crate::mesh::Mesh;
+use crate::settings::{DEFAULT_STEPS, DEFAULT_TOLERANCE, Request};
+
+/// A shape split into scales by `decompose`.
+///
+/// The components φ_k at the times t_1 … t_{N−1} and the residual R add up to the shape
+/// (Brokman et al. 2024, Eqs. 38 and 41), to rounding, whatever the steps.
+#[pyclass(frozen, module = "spectral_tv")]
+pub struct Decomposition {
+    inner: method::Decomposition,
+}
+
+#[pymethods]
+impl Decomposition {
+    /// t₀ = 0 < t₁ < … < t_N, (N+1,), length².
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.times().to_vec().into_pyarray(py)
+    }
+
+    /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N−1, (N−1,), length³.
+    #[getter]
+    fn spectrum<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.spectrum().to_vec().into_pyarray(py)
+    }
+
+    /// The shape that is left once every component is removed, (V, 3).
+    #[getter]
+    fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        arrays::per_vertex(py, &self.inner.residual())
+    }
+
+    /// The flow that was transformed: of the positions, or of M3's displacement.
+    #[getter]
+    fn flow(&self) -> Flow {
+        let trajectory = self.inner.transform().trajectory().clone();
+        let is_flat = trajectory.states.dim().1 == 1;
+        Flow::new(trajectory, is_flat)
+    }
+
+    /// Edges that cut the times into `count` bands, equally spaced in log t; (count+1,), length².
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If count is 0.
+    fn band_edges<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+    ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        Ok(logarithmic_edges(self.inner.times(), count)?.into_pyarray(py))
+    }
+
+    /// The displacement that each band adds to the residual, (K, V, 3).
+    ///
+    /// Parameters
+    /// ----------
+    /// edges : (K+1,) array
+    ///     Increasing times, length²; component k is in [edge_i, edge_{i+1}).
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If the edges do not increase.
+    fn bands<'py>(
+        &self,
+        py: Python<'py>,
+        edges: &Bound<'py, PyAny>,
+    ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
+        let edges = arrays::list("edges", edges)?;
+        let bands = py.detach(|| self.inner.bands(&edges))?;
+        let vertices = bands[0].ncols();
+        let array = arrays::stacked(py, bands.len(), vertices, 3, |k, v, c| bands[k][[c, v]]);
+        Ok(array)
+    }
+
+    /// The shape filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 41), (V, 3).
+    ///
+    /// Parameters
+    /// ----------
+    /// gains : (N−1,) array or callable
+    ///     The values H(t_k) for k = 1 … N−1, or the function H of a time in length².
+    ///     1 keeps a component, 0 removes it, more amplifies it.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If there is not one finite gain per component.
+    fn filter<'py>(
+        &self,
+        py: Python<'py>,
+        gains: &Bound<'py, PyAny>,
+    ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        let gains = match gains.is_callable() {
+            true => self
+                .inner
+                .component_times()
+                .iter()
+                .map(|time| gains.call1((*time,))?.extract())
+                .collect::<PyResult<Vec<f64>>>()?,
+            false => arrays::list("gains", gains)?,
+        };
+        let shape = py.detach(|| self.inner.filter(&gains))?;
+        Ok(arrays::per_vertex(py, &shape))
+    }
+
+    fn __repr__(&self) -> String {
+        let times = self.inner.times();
+        format!(
+            "Decomposition({} steps up to t = {:.5e})",
+            times.len() - 1,
+            times[times.len() - 1]
+        )
+    }
+}
+
+/// Split the shape of a mesh into scales.
+///
+/// Parameters
+/// ----------
+/// mesh : Mesh
+/// method : {"m1", "m2", "m3", "naive", "heat"}
+///     "m1": shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 6.3).
+///     "m2": conformalized P-Laplace, for limbs and head (Sec. 6.4).
+///     "m3": directional TV on a smooth base, keeps edges (Sec. 6.5).
+///     "naive": TV of each coordinate alone (Sec. 6.2). "heat": linear, for comparison.
+/// times : (N+1,) array, optional
+///     Increasing from 0, length². Default: `steps` times equally spaced in log t over three
+///     decades, up to 2e-2 of the area for "m1", "naive" and "heat", 3e-2 for "m2" and 1e-3
+///     for "m3".
+/// steps : int
+///     The number of steps N, where no times are given.
+/// progress : callable, optional
+///     Called with the fraction done; an exception it raises ends the work.
+/// scheme : {"extrapolated", "lagged", "exact"}
+///     How steps take their weights; see `flow`. "exact" is for "naive", "m1" and "m3".
+/// tolerance : float
+///     Relative duality gap of exact steps, in (0, 1).
+/// p : {3, 2, 1}
+///     The P of "m2". Only 3 is zero-homogeneous.
+/// base : (V, 3) array, optional
+///     The smooth base of "m3". Default: ten steps of `conformal_flow` to 5e-3 of the area.
+///
+/// Returns
+/// -------
+/// Decomposition
+///
+/// Raises
+/// ------
+/// MeshError
+///     If an argument is of the wrong shape, not finite, or out of range; says where.
+#[pyfunction]
+#[pyo3(signature = (mesh, method = "m1", times = None, steps = DEFAULT_STEPS, progress = None, *,
+                    scheme = "extrapolated", tolerance = DEFAULT_TOLERANCE, p = 3, base = None))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "keyword arguments of a Python function"
+)]
+pub fn decompose(
+    py: Python<'_>,
+    mesh: &Mesh,
+    method: &str,
+    times: Option<Bound<'_, PyAny>>,
+    steps: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+    scheme: &str,
+    tolerance: f64,
+    p: u32,
+    base: Option<Bound<'_, PyAny>>,
+) -> Result<Decomposition, Failure> {
+    let request = Request {
+        method,
+        times,
+        steps,
+        scheme,
+        tolerance,
+        p,
+        base,
+    };
+    let task = start(mesh, &request, |inner| Decomposition { inner })?;
+    task.wait(py, progress)
+}
+
+/// Start `decompose` in a thread of its own and return the `Job` at once.
+///
+/// Takes the arguments of `decompose`, without `progress`; `Job.result` gives the
+/// `Decomposition`.
+///
+/// Raises
+/// ------
+/// MeshError
+///     If an argument cannot be read; what only the work finds out, `Job.result` raises.
+#[pyfunction]
+#[pyo3(signature = (mesh, method = "m1", times = None, steps = DEFAULT_STEPS, *,
+                    scheme = "extrapolated", tolerance = DEFAULT_TOLERANCE, p = 3, base = None))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "keyword arguments of a Python function"
+)]
+pub fn start_decompose(
+    mesh: &Mesh,
+    method: &str,
+    times: Option<Bound<'_, PyAny>>,
+    steps: usize,
+    scheme: &str,
+    tolerance: f64,
+    p: u32,
+    base: Option<Bound<'_, PyAny>>,
+) -> Result<Job, Failure> {
+    let request = Request {
+        method,
+        times,
+        steps,
+        scheme,
+        tolerance,
+        p,
+        base,
+    };
+    let task = start(mesh, &request, |inner| -> Convert {
+        Box::new(move |py| Ok(Py::new(py, Decomposition { inner })?.into_any()))
+    })?;
+    Ok(Job::new(task))
+}
+
+/// Starts the work in a thread; `wrap` makes of its result what the thread hands over.
+fn start<T: Send + 'static>(
+    mesh: &Mesh,
+    request: &Request,
+    wrap: impl FnOnce(method::Decomposition) -> T + Send + 'static,
+) -> Result<Task<T>, Failure> {
+    let settings = request.settings()?;
+    let mesh = Arc::clone(&mesh.inner);
+    Ok(Task::start(move |monitor| {
+        method::decompose(&mesh, &settings, monitor.whole()).map(wrap)
+    })?)
+}
