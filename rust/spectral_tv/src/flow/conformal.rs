@@ -18,7 +18,7 @@ const WEIGHT_FLOOR: f64 = 1e-4;
 /// al. 2024, Sec. 6.4). Zero-homogeneous for P = 3.
 #[derive(Debug, Clone)]
 pub struct ConformalLaplace {
-    exponent: f64,
+    exponent: i32,
     floors: Vec<f64>,
     triangles: Vec<[u32; 3]>,
 }
@@ -33,7 +33,7 @@ impl ConformalLaplace {
             return Err(Error::Argument(format!("p must be 1, 2 or 3, not {p}")));
         }
         Ok(Self {
-            exponent: f64::from(p) - 2.0,
+            exponent: p as i32 - 2,
             floors: operators
                 .masses()
                 .iter()
@@ -45,12 +45,16 @@ impl ConformalLaplace {
 }
 
 impl Law for ConformalLaplace {
-    fn weights(&self, squared_gradients: &[f64]) -> Vec<f64> {
-        // The identity's gradient has the norm √2 everywhere, so floors are relative to 1.
-        squared_gradients
+    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
+        // The initial norm is √2 on every face, so the floor is relative to it.
+        gradient_norms
             .iter()
-            .map(|square| square.sqrt().max(WEIGHT_FLOOR).powf(self.exponent))
+            .map(|norm| norm.max(WEIGHT_FLOOR).powi(self.exponent))
             .collect()
+    }
+
+    fn is_linear(&self) -> bool {
+        self.exponent == 0
     }
 
     fn masses(&self, values: ArrayView2<f64>) -> Option<Vec<f64>> {

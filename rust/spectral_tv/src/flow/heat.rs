@@ -7,7 +7,11 @@ use crate::flow::law::Law;
 pub struct Heat;
 
 impl Law for Heat {
-    fn weights(&self, squared_gradients: &[f64]) -> Vec<f64> {
-        vec![1.0; squared_gradients.len()]
+    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
+        vec![1.0; gradient_norms.len()]
+    }
+
+    fn is_linear(&self) -> bool {
+        true
     }
 }

@@ -4,11 +4,13 @@
 //! ways to step. A new flow is a new law.
 
 mod conformal;
+mod duality_gap;
 mod heat;
 mod law;
 mod proximal;
 mod proximal_newton;
 mod semi_implicit;
+mod step_energy;
 mod time_step;
 mod total_variation;
 mod trajectory;
@@ -18,6 +20,5 @@ pub use heat::Heat;
 pub use law::Law;
 pub use proximal::proximal_flow;
 pub use semi_implicit::{Weights, semi_implicit_flow};
-pub use time_step::TimeStep;
 pub use total_variation::TotalVariation;
 pub use trajectory::Trajectory;

@@ -4,12 +4,14 @@
 //! Restoration": keep the dual field z beside u, linearise |∇u|_ε z = ∇u instead of
 //! z = ∇u/|∇u|_ε, and Newton converges in a few iterations from almost anywhere.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::Array2;
 use sprs::CsMatI;
 
 use crate::error::Result;
-use crate::flow::proximal::{clipping_factors, duality_gap};
+use crate::flow::duality_gap::{clipping_factors, duality_gap};
+use crate::flow::step_energy::{Slope, StepEnergy, inner_products};
 use crate::flow::time_step::TimeStep;
+use crate::flow::total_variation::TotalVariation;
 use crate::flow::trajectory::Solution;
 use crate::monitor::Stage;
 use crate::operators::{Discretization, FaceVector, element_stiffness};
@@ -22,10 +24,6 @@ const CONTINUATION: f64 = 0.2;
 /// Relative accuracy of the inner conjugate gradients, where channels are coupled.
 const INNER_TOLERANCE: f64 = 0.1;
 const MOST_INNER_ITERATIONS: usize = 100;
-/// Sufficient decrease asked of the line search (Armijo), and its smallest step.
-const SUFFICIENT_DECREASE: f64 = 1e-4;
-const SMALLEST_STEP: f64 = 1e-3;
-
 /// Solves a sequence of proximal steps, each warm-started by the dual of the one before.
 pub(super) struct ProximalNewton<'a> {
     operators: &'a Discretization,
@@ -33,12 +31,6 @@ pub(super) struct ProximalNewton<'a> {
     cholesky: Cholesky,
     dual: Vec<Vec<FaceVector>>,
     epsilon: f64,
-}
-
-/// ∇u on every face, channel by channel, and its smoothed norm over all channels.
-struct Slope {
-    gradients: Vec<Vec<FaceVector>>,
-    norms: Vec<f64>,
 }
 
 impl<'a> ProximalNewton<'a> {
@@ -78,10 +70,17 @@ impl<'a> ProximalNewton<'a> {
         let mut state = step.data.clone();
         for _ in 0..MOST_ITERATIONS {
             stage.check()?;
-            let slope = self.slope(state.view());
-            let descent = self.descent(step, &state, &slope);
+            let law = TotalVariation::with_epsilon(self.epsilon);
+            let energy = StepEnergy {
+                operators: self.operators,
+                law: &law,
+                masses: self.operators.masses(),
+                step,
+            };
+            let slope = energy.slope(state.view());
+            let descent = energy.descent(state.view(), &slope);
             let direction = self.direction(step, &slope, &descent)?;
-            let length = self.line_search(step, &state, &direction, &descent);
+            let length = energy.line_search(&slope, &direction, &descent);
             self.update_dual(&slope, &direction);
             state.scaled_add(length, &direction);
             let gap = duality_gap(self.operators, step, state.view(), &self.dual);
@@ -97,39 +96,6 @@ impl<'a> ProximalNewton<'a> {
         Ok(best)
     }
 
-    fn slope(&self, state: ArrayView2<f64>) -> Slope {
-        let gradient = self.operators.gradient();
-        let gradients: Vec<_> = state
-            .rows()
-            .into_iter()
-            .map(|u| gradient.apply(u))
-            .collect();
-        let mut norms = vec![self.epsilon * self.epsilon; gradient.face_areas().len()];
-        for field in &gradients {
-            for (square, [x, y]) in norms.iter_mut().zip(field) {
-                *square += x * x + y * y;
-            }
-        }
-        norms.iter_mut().for_each(|square| *square = square.sqrt());
-        Slope { gradients, norms }
-    }
-
-    /// The negative gradient of the smoothed energy: −(M(u − û) + τ Gᵀ A ∇u/|∇u|_ε).
-    fn descent(&self, step: &TimeStep, state: &Array2<f64>, slope: &Slope) -> Array2<f64> {
-        let mut descent = &step.data - state;
-        for (mut row, field) in descent.rows_mut().into_iter().zip(&slope.gradients) {
-            let divergence = self
-                .operators
-                .gradient()
-                .adjoint(|face| field[face].map(|component| component / slope.norms[face]));
-            for ((value, mass), flux) in row.iter_mut().zip(self.operators.masses()).zip(divergence)
-            {
-                *value = mass * *value - step.tau * flux;
-            }
-        }
-        descent
-    }
-
     /// The Newton direction: (M + τ Gᵀ A H G) δ = `descent`, H the symmetrised derivative.
     fn direction(
         &mut self,
@@ -142,7 +108,8 @@ impl<'a> ProximalNewton<'a> {
         let dual = &self.dual;
         let is_scalar = dual.len() == 1;
         let stiffness = |face: usize| {
-            let scale = step.tau * gradient.face_areas()[face] / slope.norms[face];
+            let weight = slope.weights[face];
+            let scale = step.tau * gradient.face_areas()[face] * weight;
             let hats = &gradient.hats()[face];
             let mut edges = element_stiffness(hats, scale);
             if is_scalar {
@@ -150,7 +117,7 @@ impl<'a> ProximalNewton<'a> {
                 let (z, g) = (dual[0][face], slope.gradients[0][face]);
                 let along = |v: FaceVector| hats.map(|hat| hat[0] * v[0] + hat[1] * v[1]);
                 let (z, g) = (along(z), along(g));
-                let half = 0.5 * scale / slope.norms[face];
+                let half = 0.5 * scale * weight;
                 for (edge, (p, q)) in edges.iter_mut().zip([(1, 2), (2, 0), (0, 1)]) {
                     *edge -= half * (z[p] * g[q] + g[p] * z[q]);
                 }
@@ -177,48 +144,7 @@ impl<'a> ProximalNewton<'a> {
         ))
     }
 
-    /// Halves the step until the smoothed energy falls enough.
-    fn line_search(
-        &self,
-        step: &TimeStep,
-        state: &Array2<f64>,
-        direction: &Array2<f64>,
-        descent: &Array2<f64>,
-    ) -> f64 {
-        let slope: f64 = (descent * direction).sum();
-        let start = self.smoothed_energy(step, state);
-        let mut length = 1.0;
-        while length > SMALLEST_STEP {
-            let trial = state + &(direction * length);
-            let bound = start - SUFFICIENT_DECREASE * length * slope;
-            if self.smoothed_energy(step, &trial) <= bound {
-                break;
-            }
-            length *= 0.5;
-        }
-        length
-    }
-
-    /// ½‖u − û‖²_M + τ Σ_f A_f √(|∇u|² + ε²).
-    fn smoothed_energy(&self, step: &TimeStep, state: &Array2<f64>) -> f64 {
-        let gradient = self.operators.gradient();
-        let square = self.epsilon * self.epsilon;
-        let variation: f64 = gradient
-            .squared_norms(state.view())
-            .iter()
-            .zip(gradient.face_areas())
-            .map(|(norm, area)| area * (norm + square).sqrt())
-            .sum();
-        let mut distance = 0.0;
-        for (row, data) in state.rows().into_iter().zip(step.data.rows()) {
-            for ((u, f), mass) in row.iter().zip(data).zip(self.operators.masses()) {
-                distance += 0.5 * mass * (u - f) * (u - f);
-            }
-        }
-        distance + step.tau * variation
-    }
-
-    /// z ← (∇u + ∇δ − z ⟨∇u, ∇δ⟩/|∇u|_ε)/|∇u|_ε, clipped to the unit ball.
+    /// z ← w (∇u + ∇δ − w ⟨∇u, ∇δ⟩ z), w = 1/|∇u|_ε, clipped to the unit ball.
     fn update_dual(&mut self, slope: &Slope, direction: &Array2<f64>) {
         let gradient = self.operators.gradient();
         let changes: Vec<_> = direction
@@ -229,10 +155,10 @@ impl<'a> ProximalNewton<'a> {
         let along = inner_products(&slope.gradients, &changes);
         for ((dual, field), change) in self.dual.iter_mut().zip(&slope.gradients).zip(&changes) {
             for (face, z) in dual.iter_mut().enumerate() {
-                let norm = slope.norms[face];
+                let weight = slope.weights[face];
                 for axis in 0..2 {
                     let linearised = field[face][axis] + change[face][axis];
-                    z[axis] = (linearised - z[axis] * along[face] / norm) / norm;
+                    z[axis] = weight * (linearised - weight * along[face] * z[axis]);
                 }
             }
         }
@@ -245,7 +171,7 @@ impl<'a> ProximalNewton<'a> {
     }
 }
 
-/// (M + τ Gᵀ A H G) applied to `values` (C, V), H = (I − ½(z gᵀ + g zᵀ)/n)/n over all channels.
+/// (M + τ Gᵀ A H G) applied to `values` (C, V), H = w (I − ½ w (z gᵀ + g zᵀ)) over all channels.
 fn apply_hessian(
     operators: &Discretization,
     step: &TimeStep,
@@ -264,11 +190,11 @@ fn apply_hessian(
     let mut product = values.clone();
     for (channel, mut row) in product.rows_mut().into_iter().enumerate() {
         let flux = gradient.adjoint(|face| {
-            let norm = slope.norms[face];
+            let weight = slope.weights[face];
             let (z, g) = (dual[channel][face], slope.gradients[channel][face]);
             std::array::from_fn(|axis| {
                 let coupling = z[axis] * along_gradient[face] + g[axis] * along_dual[face];
-                (changes[channel][face][axis] - 0.5 * coupling / norm) / norm
+                weight * (changes[channel][face][axis] - 0.5 * weight * coupling)
             })
         });
         for ((value, mass), flux) in row.iter_mut().zip(operators.masses()).zip(flux) {
@@ -276,15 +202,4 @@ fn apply_hessian(
         }
     }
     product
-}
-
-/// ⟨a, b⟩ on every face, over all channels.
-fn inner_products(a: &[Vec<FaceVector>], b: &[Vec<FaceVector>]) -> Vec<f64> {
-    let mut products = vec![0.0; a[0].len()];
-    for (a, b) in a.iter().zip(b) {
-        for ((product, p), q) in products.iter_mut().zip(a).zip(b) {
-            *product += p[0] * q[0] + p[1] * q[1];
-        }
-    }
-    products
 }

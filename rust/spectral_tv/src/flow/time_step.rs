@@ -36,7 +36,7 @@ impl TimeStep {
     /// Variable-step BDF2: û = u + κ (u − u₋), κ = ω²/(1 + 2ω), τ = Δt (1 + ω)/(1 + 2ω), with
     /// ω = Δt/Δt₋; `None` where there is no history or the step grows too much.
     pub fn bdf2(history: &History, dt: f64) -> Option<Self> {
-        let (previous, growth) = usable(history, dt)?;
+        let (previous, growth) = history.usable(dt)?;
         let kappa = growth * growth / (1.0 + 2.0 * growth);
         Some(Self {
             data: &history.state + &((&history.state - &previous) * kappa),
@@ -45,16 +45,11 @@ impl TimeStep {
     }
 }
 
-impl History<'_> {
-    /// ũ = u + ω (u − u₋): the next state to second order; `None` as for [`TimeStep::bdf2`].
-    pub fn extrapolated(&self, dt: f64) -> Option<Array2<f64>> {
-        let (previous, growth) = usable(self, dt)?;
-        Some(&self.state + &((&self.state - &previous) * growth))
+impl<'a> History<'a> {
+    /// u₋ and ω = Δt/Δt₋; `None` as for [`TimeStep::bdf2`].
+    pub fn usable(&self, dt: f64) -> Option<(ArrayView2<'a, f64>, f64)> {
+        let (previous, previous_dt) = self.previous?;
+        let growth = dt / previous_dt;
+        (growth <= LARGEST_GROWTH).then_some((previous, growth))
     }
-}
-
-fn usable<'a>(history: &History<'a>, dt: f64) -> Option<(ArrayView2<'a, f64>, f64)> {
-    let (previous, previous_dt) = history.previous?;
-    let growth = dt / previous_dt;
-    (growth <= LARGEST_GROWTH).then_some((previous, growth))
 }

@@ -4,8 +4,6 @@ use ndarray::ArrayView2;
 
 use crate::error::Result;
 use crate::flow::law::Law;
-use crate::flow::proximal::duality_gap;
-use crate::flow::time_step::TimeStep;
 use crate::operators::{Discretization, total_variation};
 
 /// ε relative to the mean |∇f|: small enough for edges to stay crisp, large enough for the
@@ -33,37 +31,22 @@ impl TotalVariation {
     }
 }
 
+impl TotalVariation {
+    /// The law with a given ε > 0, in the unit of the gradient.
+    pub(super) fn with_epsilon(epsilon: f64) -> Self {
+        Self { epsilon }
+    }
+}
+
 impl Law for TotalVariation {
-    fn weights(&self, squared_gradients: &[f64]) -> Vec<f64> {
-        let square = self.epsilon * self.epsilon;
-        squared_gradients
+    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
+        gradient_norms
             .iter()
-            .map(|norm| (norm + square).sqrt().recip())
+            .map(|norm| norm.hypot(self.epsilon).recip())
             .collect()
     }
 
     fn is_total_variation(&self) -> bool {
         true
-    }
-
-    fn gap(
-        &self,
-        operators: &Discretization,
-        step: &TimeStep,
-        state: ArrayView2<f64>,
-        weights: &[f64],
-    ) -> f64 {
-        let fields: Vec<_> = state
-            .rows()
-            .into_iter()
-            .map(|channel| {
-                let mut field = operators.gradient().apply(channel);
-                for (vector, weight) in field.iter_mut().zip(weights) {
-                    *vector = vector.map(|component| weight * component);
-                }
-                field
-            })
-            .collect();
-        duality_gap(operators, step, state, &fields)
     }
 }

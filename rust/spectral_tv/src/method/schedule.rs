@@ -3,10 +3,12 @@
 use crate::error::{Error, Result};
 use crate::method::Method;
 
-/// Ratio of the last time to the first: three decades hold skin detail to whole limbs.
-const RANGE: f64 = 1e3;
+/// Where the spacing of the times turns from uniform to logarithmic, relative to the last time.
+/// Three decades of scale, skin detail to whole limbs, then have steps enough, and the first
+/// step, which has no history to extrapolate, is short.
+const ONSET: f64 = 1.5e-3;
 
-/// 0 and `steps` times equally spaced in log t over three decades, length².
+/// N + 1 times from 0 for N = `steps`, length²: t_k = c ((1 + t_N/c)^(k/N) − 1).
 ///
 /// They end at a fraction of the surface `area` that depends on the method, so one filter means
 /// the same on every pose and size.
@@ -17,12 +19,9 @@ pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64
     if steps == 0 {
         return Err(Error::Argument("steps must be at least 1".into()));
     }
-    let last = area * last_relative_time(method);
-    let nodes = (1..=steps).map(|k| match steps {
-        1 => last,
-        _ => last * RANGE.powf((k as f64 - steps as f64) / (steps as f64 - 1.0)),
-    });
-    Ok(std::iter::once(0.0).chain(nodes).collect())
+    let onset = ONSET * area * last_relative_time(method);
+    let time = |k: usize| onset * ((1.0 + 1.0 / ONSET).powf(k as f64 / steps as f64) - 1.0);
+    Ok((0..=steps).map(time).collect())
 }
 
 fn last_relative_time(method: &Method) -> f64 {

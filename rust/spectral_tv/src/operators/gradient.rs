@@ -78,8 +78,8 @@ impl Gradient {
             .collect()
     }
 
-    /// |∇u|² on every face, over all channels of `values` (C, V) together.
-    pub fn squared_norms(&self, values: ArrayView2<f64>) -> Vec<f64> {
+    /// |∇u| on every face, over all channels of `values` (C, V) together.
+    pub fn norms(&self, values: ArrayView2<f64>) -> Vec<f64> {
         let mut squares = vec![0.0; self.hats.len()];
         for channel in values.rows() {
             for (face, square) in squares.iter_mut().enumerate() {
@@ -87,6 +87,9 @@ impl Gradient {
                 *square += x * x + y * y;
             }
         }
+        squares
+            .iter_mut()
+            .for_each(|square| *square = square.sqrt());
         squares
     }
 
@@ -150,8 +153,8 @@ mod tests {
         let triangles = [[0, 1, 2], [1, 3, 2]];
         let mesh = TriangleMesh::new(vertices.clone(), &triangles).unwrap();
         let positions = Array2::from_shape_fn((3, 4), |(c, v)| vertices[v][c]);
-        for square in Gradient::new(&mesh).squared_norms(positions.view()) {
-            assert!((square - 2.0).abs() < 1e-12);
+        for norm in Gradient::new(&mesh).norms(positions.view()) {
+            assert!((norm - 2.0_f64.sqrt()).abs() < 1e-12);
         }
     }
 

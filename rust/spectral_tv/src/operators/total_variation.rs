@@ -8,9 +8,9 @@ use crate::operators::Gradient;
 /// NETV for one channel, VNETV for several (Brokman et al. 2024, Eq. 17 and Sec. 6).
 pub fn total_variation(gradient: &Gradient, values: ArrayView2<f64>) -> f64 {
     gradient
-        .squared_norms(values)
+        .norms(values)
         .iter()
         .zip(gradient.face_areas())
-        .map(|(square, area)| area * square.sqrt())
+        .map(|(norm, area)| area * norm)
         .sum()
 }

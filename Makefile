@@ -1,0 +1,59 @@
+# Everything is built into the checkout: .venv, target/, dist/ and demo/.
+
+PYTHON ?= python3.11
+MESH ?=
+UP ?=
+AZIMUTH ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+WHEEL_STAMP := dist/.wheel
+EXTENSION_STAMP := dist/.extension
+
+RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Cargo.toml)
+PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
+ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
+
+.PHONY: demo test lint extension bench clean
+
+demo: $(EXTENSION_STAMP)
+	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
+	  $(if $(AZIMUTH),--azimuth $(AZIMUTH))
+
+test: lint $(EXTENSION_STAMP)
+	cargo test --workspace --release --quiet
+	$(BIN)/python -m pytest tests
+
+lint: $(VENV)/.installed
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --quiet -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+extension: $(EXTENSION_STAMP)
+
+bench: $(VENV)/.installed $(WHEEL_STAMP)
+	$(BIN)/python -m tools.bench $(MESH)
+
+clean:
+	rm -rf $(VENV) target dist demo
+
+$(VENV)/.installed: pyproject.toml tools/check_system.py
+	$(PYTHON) tools/check_system.py
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --group development
+	touch $@
+
+# One wheel for every Linux that Blender supports; the checkout's environment uses the same.
+$(WHEEL_STAMP): $(VENV)/.installed $(RUST_SOURCES) $(PACKAGE_SOURCES)
+	rm -rf dist/*.whl
+	PATH="$(CURDIR)/$(BIN):$$PATH" maturin build --release --locked --zig --compatibility manylinux_2_28 --out dist \
+	  --interpreter $(BIN)/python
+	$(BIN)/python -m pip install --quiet --force-reinstall --no-deps dist/*.whl
+	touch $@
+
+$(EXTENSION_STAMP): $(WHEEL_STAMP) $(ADDON_SOURCES) LICENSE tools/extension.py
+	$(BIN)/python tools/extension.py dist/*.whl
+	touch $@

@@ -1,0 +1,25 @@
+"""Which objects can be worked on, and why others cannot."""
+
+import bpy
+
+
+class Refusal(Exception):
+    """The object or a setting cannot be used; the message tells the user why."""
+
+
+def refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why ``obj`` cannot be decomposed, in a sentence for the user; None if it can."""
+    if obj is None:
+        return "There is no active object"
+    if obj.type != "MESH":
+        return "The active object is not a mesh"
+    if obj.mode == "EDIT":
+        return "Leave Edit Mode first"
+    if obj.library is not None or obj.data.library is not None:
+        return "The mesh is linked from another file; make it local first"
+    if len(obj.data.polygons) == 0:
+        return "The mesh has no faces"
+    keys = obj.data.shape_keys
+    if keys is not None and not keys.use_relative:
+        return "The mesh has absolute shape keys; bands need relative ones"
+    return None

@@ -1,0 +1,42 @@
+"""Writing displacements as relative shape keys."""
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from .surface import basis_coordinates
+
+# −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.
+SLIDER_RANGE = (-10.0, 10.0)
+
+
+def add_displacements(
+    obj: bpy.types.Object, names: Sequence[str], displacements: np.ndarray
+) -> list[bpy.types.ShapeKey]:
+    """Add one shape key relative to Basis per displacement, at value 0.
+
+    ``displacements`` (K, V, 3) are in object space. Everything else on the object, the active
+    shape key included, stays as it was; a mesh without shape keys is given its Basis.
+    """
+    mesh = obj.data
+    active = obj.active_shape_key_index
+    if mesh.shape_keys is None:
+        obj.shape_key_add(name="Basis", from_mix=False)
+    basis = basis_coordinates(mesh)
+    keys = [
+        _add_key(obj, name, basis + displacement)
+        for name, displacement in zip(names, displacements, strict=True)
+    ]
+    obj.active_shape_key_index = active
+    mesh.update_tag()
+    return keys
+
+
+def _add_key(obj: bpy.types.Object, name: str, coordinates: np.ndarray) -> bpy.types.ShapeKey:
+    key = obj.shape_key_add(name=name, from_mix=False)
+    key.relative_key = obj.data.shape_keys.reference_key
+    key.slider_min, key.slider_max = SLIDER_RANGE
+    key.value = 0.0
+    key.data.foreach_set("co", coordinates.astype(np.float32).ravel())
+    return key

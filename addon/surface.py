@@ -1,0 +1,55 @@
+"""Reading the surface of an object."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from .objects import Refusal
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The Basis shape of a mesh object as triangles in world scale.
+
+    ``mesh`` has the rotation and scale of the object applied, not its location; ``inverse``
+    (3, 3) takes its displacements back to object space.
+    """
+
+    mesh: spectral_tv.Mesh
+    inverse: np.ndarray
+
+    @classmethod
+    def read(cls, obj: bpy.types.Object) -> "Surface":
+        """Read ``obj``; polygons become the triangles that Blender draws.
+
+        Raises Refusal if the object's scale is zero along an axis, spectral_tv.MeshError if
+        the mesh cannot be used.
+        """
+        to_world = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
+        if np.linalg.matrix_rank(to_world) < 3:
+            raise Refusal("its scale is zero along an axis")
+        vertices = basis_coordinates(obj.data) @ to_world.T
+        return cls(spectral_tv.Mesh(vertices, triangles(obj.data)), np.linalg.inv(to_world))
+
+    def to_object(self, displacements: np.ndarray) -> np.ndarray:
+        """Displacements (..., V, 3) of the mesh in object space."""
+        return displacements @ self.inverse.T
+
+
+def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Positions of the Basis shape key, or of the mesh where it has none, (V, 3)."""
+    keys = mesh.shape_keys
+    source = mesh.vertices if keys is None else keys.reference_key.data
+    coordinates = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    source.foreach_get("co", coordinates)
+    return coordinates.reshape(-1, 3).astype(np.float64)
+
+
+def triangles(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Vertices of the triangles of the mesh's polygons, (F, 3)."""
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    return corners.reshape(-1, 3)

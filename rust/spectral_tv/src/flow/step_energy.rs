@@ -1,0 +1,148 @@
+//! E(u) = ½‖u − û‖²_M + τ Σ_f A_f Ψ(|∇u|), Ψ′(n) = n w(n): what an implicit step minimises.
+
+use ndarray::{Array2, ArrayView2};
+
+use crate::flow::law::Law;
+use crate::flow::time_step::TimeStep;
+use crate::operators::{Discretization, FaceVector};
+
+/// The line search looks no further than this many times the direction.
+const LONGEST: f64 = 2.0;
+/// Fall of the slope along the line at which the search is done, and its most evaluations.
+const SLOPE_TOLERANCE: f64 = 1e-2;
+const MOST_EVALUATIONS: usize = 20;
+
+/// The energy of one step; convex, as n w(n) grows with n for every law.
+#[derive(Clone, Copy)]
+pub(super) struct StepEnergy<'a> {
+    pub operators: &'a Discretization,
+    pub law: &'a dyn Law,
+    pub masses: &'a [f64],
+    pub step: &'a TimeStep,
+}
+
+/// ∇u on every face, channel by channel, and the law's weights there.
+pub(super) struct Slope {
+    pub gradients: Vec<Vec<FaceVector>>,
+    pub weights: Vec<f64>,
+}
+
+impl StepEnergy<'_> {
+    /// The gradients of `state` (C, V).
+    pub fn slope(&self, state: ArrayView2<f64>) -> Slope {
+        let gradients = self.gradients(state);
+        let mut norms = inner_products(&gradients, &gradients);
+        norms.iter_mut().for_each(|square| *square = square.sqrt());
+        let weights = self.law.weights(&norms);
+        Slope { gradients, weights }
+    }
+
+    /// −E′(u) = −(M(u − û) + τ Gᵀ A w ∇u), (C, V).
+    pub fn descent(&self, state: ArrayView2<f64>, slope: &Slope) -> Array2<f64> {
+        let mut descent = &self.step.data - &state;
+        for (mut row, field) in descent.rows_mut().into_iter().zip(&slope.gradients) {
+            let flux = self
+                .operators
+                .gradient()
+                .adjoint(|face| field[face].map(|component| slope.weights[face] * component));
+            for ((value, mass), flux) in row.iter_mut().zip(self.masses).zip(flux) {
+                *value = mass * *value - self.step.tau * flux;
+            }
+        }
+        descent
+    }
+
+    /// The α in [0, 2] that minimises E(u + α δ), where E is convex: the root of its slope, by
+    /// regula falsi (Illinois). `descent` is −E′(u).
+    pub fn line_search(
+        &self,
+        slope: &Slope,
+        direction: &Array2<f64>,
+        descent: &Array2<f64>,
+    ) -> f64 {
+        let start = -(descent * direction).sum();
+        let along_line = self.restricted(slope, direction, start);
+        let (mut low, mut low_value) = (0.0, start);
+        let (mut high, mut high_value) = (1.0, along_line(1.0));
+        if high_value < 0.0 {
+            (low, low_value) = (high, high_value);
+            (high, high_value) = (LONGEST, along_line(LONGEST));
+            if high_value <= 0.0 {
+                return LONGEST;
+            }
+        }
+        let mut alpha = 1.0;
+        for _ in 0..MOST_EVALUATIONS {
+            let value = match alpha {
+                _ if alpha == low => low_value,
+                _ if alpha == high => high_value,
+                _ => along_line(alpha),
+            };
+            if value.abs() <= SLOPE_TOLERANCE * start.abs() {
+                break;
+            }
+            if value > 0.0 {
+                (high, high_value) = (alpha, value);
+                low_value *= 0.5;
+            } else {
+                (low, low_value) = (alpha, value);
+                high_value *= 0.5;
+            }
+            alpha = low - low_value * (high - low) / (high_value - low_value);
+        }
+        alpha
+    }
+
+    /// The function α ↦ d/dα E(u + α δ), from per-face products alone; `start` is its value
+    /// at 0.
+    fn restricted(
+        &self,
+        slope: &Slope,
+        direction: &Array2<f64>,
+        start: f64,
+    ) -> impl Fn(f64) -> f64 + '_ {
+        let changes = self.gradients(direction.view());
+        let squares = inner_products(&slope.gradients, &slope.gradients);
+        let along = inner_products(&slope.gradients, &changes);
+        let squared = inner_products(&changes, &changes);
+        let mut quadratic = 0.0;
+        for row in direction.rows() {
+            for (value, mass) in row.iter().zip(self.masses) {
+                quadratic += mass * value * value;
+            }
+        }
+        let areas = self.operators.gradient().face_areas();
+        let variation = move |alpha: f64| -> f64 {
+            let norms: Vec<f64> = (0..areas.len())
+                .map(|f| squares[f] + alpha * (2.0 * along[f] + alpha * squared[f]))
+                .map(|square| square.max(0.0).sqrt())
+                .collect();
+            let weights = self.law.weights(&norms);
+            (0..areas.len())
+                .map(|f| areas[f] * weights[f] * (along[f] + alpha * squared[f]))
+                .sum()
+        };
+        let linear = start - self.step.tau * variation(0.0);
+        move |alpha| linear + alpha * quadratic + self.step.tau * variation(alpha)
+    }
+
+    fn gradients(&self, values: ArrayView2<f64>) -> Vec<Vec<FaceVector>> {
+        let gradient = self.operators.gradient();
+        values
+            .rows()
+            .into_iter()
+            .map(|u| gradient.apply(u))
+            .collect()
+    }
+}
+
+/// ⟨a, b⟩ on every face, over all channels.
+pub(super) fn inner_products(a: &[Vec<FaceVector>], b: &[Vec<FaceVector>]) -> Vec<f64> {
+    let mut products = vec![0.0; a[0].len()];
+    for (a, b) in a.iter().zip(b) {
+        for ((product, p), q) in products.iter_mut().zip(a).zip(b) {
+            *product += p[0] * q[0] + p[1] * q[1];
+        }
+    }
+    products
+}
