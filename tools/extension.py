@@ -21,7 +21,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def main() -> None:
     """Build the zip and print its path."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
     parser.add_argument("wheel", type=Path)
     parser.add_argument("--output", type=Path, default=ROOT / "dist")
     arguments = parser.parse_args()

@@ -17,7 +17,7 @@ use crate::settings::{DEFAULT_STEPS, DEFAULT_TOLERANCE, Request};
 /// A shape split into scales by `decompose`.
 ///
 /// The components φ_k at the times t_1 … t_{N−1} and the residual R add up to the shape
-/// (Brokman et al. 2024, Eqs. 38 and 41), to rounding, whatever the steps.
+/// (Brokman et al. 2024, Eqs. 50 and 53), to rounding, whatever the steps.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Decomposition {
     inner: method::Decomposition,
@@ -51,12 +51,13 @@ impl Decomposition {
         Flow::new(trajectory, is_flat)
     }
 
-    /// Edges that cut the times into `count` bands, equally spaced in log t; (count+1,), length².
+    /// Edges that cut the times into `count` bands, about equally spaced in log t over three
+    /// decades and half-way between times; (count+1,), length².
     ///
     /// Raises
     /// ------
     /// MeshError
-    ///     If count is 0.
+    ///     If count is 0 or larger than the number of components, N−1.
     fn band_edges<'py>(
         &self,
         py: Python<'py>,
@@ -88,7 +89,7 @@ impl Decomposition {
         Ok(array)
     }
 
-    /// The shape filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 41), (V, 3).
+    /// The shape filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 53), (V, 3).
     ///
     /// Parameters
     /// ----------
@@ -134,13 +135,13 @@ impl Decomposition {
 /// ----------
 /// mesh : Mesh
 /// method : {"m1", "m2", "m3", "naive", "heat"}
-///     "m1": shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 6.3).
-///     "m2": conformalized P-Laplace, for limbs and head (Sec. 6.4).
-///     "m3": directional TV on a smooth base, keeps edges (Sec. 6.5).
-///     "naive": TV of each coordinate alone (Sec. 6.2). "heat": linear, for comparison.
+///     "m1": shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 7.3).
+///     "m2": conformalized P-Laplace, for limbs and head (Sec. 7.4).
+///     "m3": directional TV on a smooth base, keeps edges (Sec. 7.5).
+///     "naive": TV of each coordinate alone (Sec. 7.2). "heat": linear, for comparison.
 /// times : (N+1,) array, optional
-///     Increasing from 0, length². Default: `steps` times equally spaced in log t over three
-///     decades, up to 2e-2 of the area for "m1", "naive" and "heat", 3e-2 for "m2" and 1e-3
+///     Increasing from 0, length². Default: `steps` times, the spacing first uniform and then
+///     growing by one factor, up to 2e-2 of the area for "m1", "naive" and "heat", 3e-2 for "m2" and 1e-3
 ///     for "m3".
 /// steps : int
 ///     The number of steps N, where no times are given.

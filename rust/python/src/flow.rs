@@ -85,7 +85,7 @@ impl Flow {
 ///     Increasing, from 0. In the unit (of the values) × length for "tv", length² for "heat";
 ///     both are length² where the values are lengths.
 /// operator : {"tv", "heat"}
-///     "tv" is u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 26), "heat" u_t = Δu (Eq. 10).
+///     "tv" is u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), "heat" u_t = Δu (Eq. 12).
 /// exact : bool
 ///     Every step a proximal step to the gap `tolerance`: eigenfunctions then decay in a
 ///     straight line down to extinction.
@@ -186,7 +186,7 @@ pub fn conformal_flow<'py>(
 }
 
 /// Total variation of a function on the mesh: Σ_f A_f |∇u|_f, over all channels together
-/// (NETV, Brokman et al. 2024, Eq. 17).
+/// (NETV, Brokman et al. 2024, Eq. 13).
 ///
 /// Parameters
 /// ----------

@@ -15,7 +15,7 @@ const AREA_FLOOR: f64 = 1e-8;
 const WEIGHT_FLOOR: f64 = 1e-4;
 
 /// u_t = √(|g₀|/|g_t|) ∇·(|∇u|^(P−2) ∇u), all in the metric g₀, u the positions (Brokman et
-/// al. 2024, Sec. 6.4). Zero-homogeneous for P = 3.
+/// al. 2024, Sec. 7.4). Zero-homogeneous for P = 3.
 #[derive(Debug, Clone)]
 pub struct ConformalLaplace {
     exponent: i32,

@@ -2,7 +2,7 @@
 
 use crate::flow::law::Law;
 
-/// Linear diffusion on the fixed metric g₀ (Brokman et al. 2024, Eq. 10).
+/// Linear diffusion on the fixed metric g₀ (Brokman et al. 2024, Eq. 12).
 #[derive(Debug, Clone, Copy)]
 pub struct Heat;
 

@@ -10,8 +10,8 @@ use crate::operators::{Discretization, total_variation};
 /// systems to stay well conditioned.
 const SMOOTHING: f64 = 1e-3;
 
-/// w = 1/√(|∇u|² + ε²): NETV for one channel (Brokman et al. 2024, Eq. 26), shape spectral TV
-/// (M1, Eq. 33) for the three coordinates.
+/// w = 1/√(|∇u|² + ε²): NETV for one channel (Brokman et al. 2024, Eq. 20), shape spectral TV
+/// (M1, Eq. 54) for the three coordinates.
 #[derive(Debug, Clone, Copy)]
 pub struct TotalVariation {
     epsilon: f64,

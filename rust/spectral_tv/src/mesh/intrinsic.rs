@@ -5,7 +5,7 @@ const MOLLIFICATION: f64 = 1e-6;
 
 /// Lengths of the edges opposite to each triangle's corners, all enlarged by the one smallest
 /// amount that makes every triangle inequality strict (Sharp and Crane 2020, "A Laplacian for
-/// Nonmanifold Triangle Meshes", Eq. 5). A healthy mesh is left as it is.
+/// Nonmanifold Triangle Meshes"). A healthy mesh is left as it is.
 pub(super) fn mollified_edge_lengths(
     vertices: &[[f64; 3]],
     triangles: &[[u32; 3]],

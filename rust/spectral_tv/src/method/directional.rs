@@ -78,7 +78,7 @@ impl Base {
     }
 }
 
-/// S = Ŝ + f d̂ (Brokman et al. 2024, Sec. 6.5).
+/// S = Ŝ + f d̂ (Brokman et al. 2024, Sec. 7.5).
 #[derive(Debug, Clone)]
 pub struct Displacement {
     /// Ŝ, (3, V).

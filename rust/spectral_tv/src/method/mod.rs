@@ -18,16 +18,16 @@ pub use schedule::default_times;
 pub enum Method {
     /// Linear heat flow of the coordinates, for comparison.
     Heat,
-    /// Each coordinate by its own TV flow; squares shapes along the axes (Sec. 6.2).
+    /// Each coordinate by its own TV flow; squares shapes along the axes (Sec. 7.2).
     Naive,
-    /// M1, shape spectral TV: the coordinates together, in the metric of the shape (Sec. 6.3).
+    /// M1, shape spectral TV: the coordinates together, in the metric of the shape (Sec. 7.3).
     ShapeTv,
-    /// M2, conformalized P-Laplace (Sec. 6.4).
+    /// M2, conformalized P-Laplace (Sec. 7.4).
     ConformalLaplace {
         /// P: 1, 2 or 3. Only P = 3 is zero-homogeneous.
         p: u32,
     },
-    /// M3, directional TV: the displacement from a smooth base (Sec. 6.5).
+    /// M3, directional TV: the displacement from a smooth base (Sec. 7.5).
     DirectionalTv {
         /// The smooth base Ŝ.
         base: Base,

@@ -5,7 +5,7 @@ use ndarray::ArrayView2;
 use crate::operators::Gradient;
 
 /// The total variation of `values` (C, V) in the metric of `gradient`, unit of the values × length:
-/// NETV for one channel, VNETV for several (Brokman et al. 2024, Eq. 17 and Sec. 6).
+/// NETV for one channel, VNETV for several (Brokman et al. 2024, Eqs. 13 and 54).
 pub fn total_variation(gradient: &Gradient, values: ArrayView2<f64>) -> f64 {
     gradient
         .norms(values)

@@ -5,7 +5,7 @@ use ndarray::{Array2, Axis};
 use crate::error::{Error, Result};
 use crate::flow::Trajectory;
 
-/// The spectral components of a flow (Brokman et al. 2024, Eqs. 38 and 41).
+/// The spectral components of a flow (Brokman et al. 2024, Eqs. 50 and 53).
 ///
 /// With velocities p_k = (u_k − u_{k+1})/(t_{k+1} − t_k), the components are
 /// φ_k = t_k (p_{k−1} − p_k) for k = 1 … N − 1 and the residual is R = u_N + t_N p_{N−1}. Then
@@ -82,7 +82,7 @@ impl SpectralTransform {
         sum
     }
 
-    /// f^H = Σ_k H(t_k) φ_k + R, (C, V) (Brokman et al. 2024, Eq. 41).
+    /// f^H = Σ_k H(t_k) φ_k + R, (C, V) (Brokman et al. 2024, Eq. 53).
     ///
     /// # Errors
     /// If `gains` are not N − 1 finite values.

@@ -1,0 +1,101 @@
+from collections.abc import Callable
+from typing import Any, Literal, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+
+_Method = Literal["m1", "m2", "m3", "naive", "heat"]
+_Scheme = Literal["extrapolated", "lagged", "exact"]
+_Progress = Callable[[float], object]
+
+class MeshError(ValueError): ...
+class Cancelled(Exception): ...
+
+@final
+class Mesh:
+    def __new__(cls, vertices: ArrayLike, triangles: ArrayLike) -> Mesh: ...
+    @property
+    def vertices(self) -> NDArray[np.float64]: ...
+    @property
+    def triangles(self) -> NDArray[np.int64]: ...
+    @property
+    def area(self) -> float: ...
+    @property
+    def face_areas(self) -> NDArray[np.float64]: ...
+    @property
+    def vertex_areas(self) -> NDArray[np.float64]: ...
+
+@final
+class Flow:
+    @property
+    def times(self) -> NDArray[np.float64]: ...
+    @property
+    def states(self) -> NDArray[np.float64]: ...
+    @property
+    def total_variation(self) -> NDArray[np.float64]: ...
+    @property
+    def gap(self) -> NDArray[np.float64]: ...
+
+@final
+class Decomposition:
+    @property
+    def times(self) -> NDArray[np.float64]: ...
+    @property
+    def spectrum(self) -> NDArray[np.float64]: ...
+    @property
+    def residual(self) -> NDArray[np.float64]: ...
+    @property
+    def flow(self) -> Flow: ...
+    def band_edges(self, count: int) -> NDArray[np.float64]: ...
+    def bands(self, edges: ArrayLike) -> NDArray[np.float64]: ...
+    def filter(self, gains: ArrayLike | Callable[[float], float]) -> NDArray[np.float64]: ...
+
+@final
+class Job:
+    @property
+    def progress(self) -> float: ...
+    @property
+    def done(self) -> bool: ...
+    def cancel(self) -> None: ...
+    def result(self) -> Any: ...
+
+def decompose(
+    mesh: Mesh,
+    method: _Method = "m1",
+    times: ArrayLike | None = None,
+    steps: int = 32,
+    progress: _Progress | None = None,
+    *,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    p: int = 3,
+    base: ArrayLike | None = None,
+) -> Decomposition: ...
+def start_decompose(
+    mesh: Mesh,
+    method: _Method = "m1",
+    times: ArrayLike | None = None,
+    steps: int = 32,
+    *,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    p: int = 3,
+    base: ArrayLike | None = None,
+) -> Job: ...
+def flow(
+    mesh: Mesh,
+    values: ArrayLike,
+    times: ArrayLike,
+    operator: Literal["tv", "heat"] = "tv",
+    exact: bool = False,
+    progress: _Progress | None = None,
+    *,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+) -> Flow: ...
+def conformal_flow(
+    mesh: Mesh, time: float, steps: int = 10, progress: _Progress | None = None
+) -> NDArray[np.float64]: ...
+def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...

@@ -1,0 +1,82 @@
+"""How accurate bands are for the number of factorizations spent."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import reference
+import spectral_tv
+from shapes import bumpy_sphere
+
+
+def band_errors(mesh, times, states, fine_times, fine_states):
+    """Relative error of five bands, with components spread evenly around their times.
+
+    Band sums of the same flow at other times differ by what falls to the wrong side of an edge;
+    u − t u_t, interpolated linearly between the midpoints of the steps, does not.
+    """
+    edges = np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], 6)[1:])
+
+    def intercepts(at, states):
+        dt = np.diff(at)[:, None, None]
+        values = states[:-1] + at[:-1, None, None] * (states[:-1] - states[1:]) / dt
+        nodes = np.append(0.0, (at[:-1] + at[1:]) / 2)
+        values = np.concatenate([states[:1], values])
+        k = np.clip(np.searchsorted(nodes, edges) - 1, 0, len(nodes) - 2)
+        share = ((edges - nodes[k]) / (nodes[k + 1] - nodes[k]))[:, None, None]
+        return (1 - share) * values[k] + share * values[k + 1]
+
+    bands = np.diff(intercepts(times, states), axis=0)
+    fine = np.diff(intercepts(fine_times, fine_states), axis=0)
+    weight = mesh.vertex_areas[None, :, None]
+    norm = [np.sqrt((weight * x**2).sum(axis=(1, 2))) for x in (bands - fine, fine)]
+    return norm[0] / norm[1]
+
+
+@pytest.fixture(scope="module")
+def fine():
+    vertices, triangles = bumpy_sphere(4, amplitude=0.3)
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    flow = spectral_tv.decompose(mesh, "m1", steps=1000).flow
+    return vertices, triangles, mesh, flow.times, flow.states
+
+
+@pytest.mark.parametrize("steps", [16, 32])
+def test_default_is_more_accurate_than_extrapolated_bdf2(fine, steps):
+    """At the same number of factorizations, on the times each is best on."""
+    vertices, triangles, mesh, times, states = fine
+    ours = spectral_tv.decompose(mesh, "m1", steps=steps).flow
+    ours_error = band_errors(mesh, ours.times, ours.states, times, states).mean()
+
+    ops = reference.Operators(vertices, triangles)
+    logarithmic = np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], steps))
+    bdf2_errors = [
+        band_errors(
+            mesh,
+            t,
+            reference.bdf2_extrapolated_flow(ops, vertices, t, 1e-3 * 2**0.5),
+            times,
+            states,
+        ).mean()
+        for t in (logarithmic, ours.times)
+    ]
+    print(f"{steps} steps: mean error of bands {ours_error:.4f}, BDF2 {min(bdf2_errors):.4f}")
+    assert ours_error < 0.75 * min(bdf2_errors)
+
+
+@pytest.mark.parametrize("method", ["m1", "m2", "m3"])
+def test_bands_converge_as_steps_refine(method):
+    mesh = spectral_tv.Mesh(*bumpy_sphere(4, amplitude=0.3))
+    fine = spectral_tv.decompose(mesh, method, steps=1000).flow
+    shape = (-1, len(mesh.vertex_areas), 1 if method == "m3" else 3)
+    errors = []
+    for steps in (16, 32, 64):
+        flow = spectral_tv.decompose(mesh, method, steps=steps).flow
+        errors.append(
+            band_errors(
+                mesh, flow.times, flow.states.reshape(shape), fine.times, fine.states.reshape(shape)
+            ).mean()
+        )
+    print(method, errors)
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] < 0.6 * errors[0]

@@ -1,0 +1,1 @@
+"""The demo: a figure, decomposed and filtered, on one contact sheet."""

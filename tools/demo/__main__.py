@@ -1,0 +1,109 @@
+"""Decompose a mesh in headless Blender: a .blend with the bands, and a picture of the filters.
+
+python -m tools.demo [MESH] [--up Y|Z] [--azimuth DEGREES] [--output DIRECTORY]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# Installed extensions of the demo stay apart from the user's own Blender.
+RESOURCES = tempfile.TemporaryDirectory(prefix="spectral_tv_demo_")
+os.environ["BLENDER_USER_RESOURCES"] = RESOURCES.name
+
+import bpy  # noqa: E402  (reads the variable above)
+import numpy as np  # noqa: E402
+from tqdm import tqdm  # noqa: E402
+
+from .contact_sheet import Sheet, render  # noqa: E402
+from .creature import creature  # noqa: E402
+from .importing import import_mesh  # noqa: E402
+
+BANDS = 5
+# Method, heading, and the gain at which its bands are shown.
+METHODS = (
+    ("M1", "M1  Shape spectral TV", 3.0),
+    ("M2", "M2  Conformalized 3-Laplace", 2.0),
+    ("M3", "M3  Directional TV", 3.0),
+)
+
+
+def main() -> None:
+    """Run the demo."""
+    arguments = parse()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    install_extension()
+    if arguments.mesh is None:
+        obj = creature()
+        bpy.context.scene.collection.objects.link(obj)
+        bpy.context.view_layer.objects.active = obj
+    else:
+        obj = import_mesh(arguments.mesh, arguments.up)
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    name = arguments.mesh.stem if arguments.mesh else "creature"
+    blend, picture = (arguments.output / f"{name}{suffix}" for suffix in (".blend", ".png"))
+
+    for method, _, _ in tqdm(METHODS, desc="Decomposing", unit=" methods"):
+        bpy.ops.spectral_tv.decompose(method=method, bands=BANDS)
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend.resolve()), compress=True)
+    with tqdm(total=100, desc="Rendering  ", unit=" %") as bar:
+        sheets = [sheet(obj, *method) for method in METHODS]
+        render(
+            obj,
+            sheets,
+            picture,
+            azimuth=arguments.azimuth,
+            progress=lambda fraction: bar.update(round(100 * fraction) - bar.n),
+        )
+    print(f"{blend}\n{picture}")
+
+
+def parse() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
+    parser.add_argument("mesh", type=Path, nargs="?", help="a file that Blender imports")
+    parser.add_argument("--up", choices=("Y", "Z"), help="the upward axis of a .ply or .stl")
+    parser.add_argument("--azimuth", type=float, default=25.0, help="degrees to turn the view by")
+    parser.add_argument("--output", type=Path, default=ROOT / "demo")
+    return parser.parse_args()
+
+
+def install_extension() -> None:
+    """Install and enable the built zip, as a user would."""
+    zips = sorted((ROOT / "dist").glob("spectral_tv-*.zip"))
+    if not zips:
+        sys.exit("dist/ holds no extension; run: make extension")
+    bpy.ops.extensions.package_install_files(
+        filepath=str(zips[-1]), repo="user_default", enable_on_install=True
+    )
+
+
+def sheet(obj: bpy.types.Object, method: str, title: str, gain: float) -> Sheet:
+    """Lay out the filters of one method: each band amplified, and each removed."""
+    basis = coordinates(obj, "Basis")
+    bands = [coordinates(obj, f"{method} Band {band}") - basis for band in range(1, BANDS + 1)]
+    amplified = [
+        (f"Band {band} × {gain:g}", basis + (gain - 1) * offset)
+        for band, offset in enumerate(bands, start=1)
+    ]
+    removed = [(f"Without band {band}", basis - offset) for band, offset in enumerate(bands, 1)]
+    low_pass = basis - sum(bands)
+    return title, [[("Original", basis), *amplified], [("Low-pass", low_pass), *removed]]
+
+
+def coordinates(obj: bpy.types.Object, key: str) -> np.ndarray:
+    """Positions of a shape key, (V, 3)."""
+    data = obj.data.shape_keys.key_blocks[key].data
+    flat = np.empty(3 * len(data), dtype=np.float32)
+    data.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(np.float64)
+
+
+if __name__ == "__main__":
+    main()
+    sys.stdout.flush()
