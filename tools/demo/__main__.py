@@ -29,7 +29,7 @@ BANDS = 5
 METHODS = (
     ("M1", "M1  Shape spectral TV", 3.0),
     ("M2", "M2  Conformalized 3-Laplace", 2.0),
-    ("M3", "M3  Directional TV", 3.0),
+    ("M3", "M3  Directional TV", 4.0),
 )
 
 

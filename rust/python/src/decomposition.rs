@@ -5,7 +5,7 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use spectral_tv::method;
-use spectral_tv::spectral::logarithmic_edges;
+use spectral_tv::spectral::even_edges;
 
 use crate::arrays;
 use crate::error::Failure;
@@ -51,8 +51,8 @@ impl Decomposition {
         Flow::new(trajectory, is_flat)
     }
 
-    /// Edges that cut the times into `count` bands, about equally spaced in log t over three
-    /// decades and half-way between times; (count+1,), length².
+    /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
+    /// half-way between two times; (count+1,), length².
     ///
     /// Raises
     /// ------
@@ -63,7 +63,7 @@ impl Decomposition {
         py: Python<'py>,
         count: usize,
     ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
-        Ok(logarithmic_edges(self.inner.times(), count)?.into_pyarray(py))
+        Ok(even_edges(self.inner.times(), count)?.into_pyarray(py))
     }
 
     /// The displacement that each band adds to the residual, (K, V, 3).
@@ -140,9 +140,9 @@ impl Decomposition {
 ///     "m3": directional TV on a smooth base, keeps edges (Sec. 7.5).
 ///     "naive": TV of each coordinate alone (Sec. 7.2). "heat": linear, for comparison.
 /// times : (N+1,) array, optional
-///     Increasing from 0, length². Default: `steps` times, the spacing first uniform and then
-///     growing by one factor, up to 2e-2 of the area for "m1", "naive" and "heat", 3e-2 for "m2" and 1e-3
-///     for "m3".
+///     Increasing from 0, length². Default: `steps` times, evenly spaced at first and then in
+///     log t, up to 3e-3 of the area for "m1", "naive" and "heat", 1e-2 for "m2" and 1e-3 for
+///     "m3": from skin to hands and feet, to whole limbs, to plates and muscles.
 /// steps : int
 ///     The number of steps N, where no times are given.
 /// progress : callable, optional

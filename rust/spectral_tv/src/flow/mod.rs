@@ -7,6 +7,7 @@ mod conformal;
 mod duality_gap;
 mod heat;
 mod law;
+mod prediction;
 mod proximal;
 mod proximal_newton;
 mod semi_implicit;

@@ -6,6 +6,7 @@ use sprs::CsMatI;
 use crate::error::Result;
 use crate::flow::duality_gap::duality_gap;
 use crate::flow::law::Law;
+use crate::flow::prediction::{predicted_gradients, predicted_masses};
 use crate::flow::step_energy::StepEnergy;
 use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::{Recorder, Solution, Trajectory};
@@ -25,9 +26,6 @@ pub enum Weights {
 
 /// Growth of TV in a step that is put down to rounding.
 const ROUNDING: f64 = 1e-12;
-/// Least fraction of a gradient or a mass that extrapolation leaves.
-const LEAST_DECAY: f64 = 1e-3;
-
 /// Runs `law` from `initial` (C, V) through `times`.
 ///
 /// # Errors
@@ -94,7 +92,7 @@ impl<'a> StepSolver<'a> {
         Ok(self.certified(state, &step))
     }
 
-    /// BDF2 with extrapolated weights and masses, and one correction.
+    /// BDF2, masses or else weights predicted, and one correction.
     fn extrapolated(&mut self, history: &History, dt: f64) -> Result<Solution> {
         let gradient = self.operators.gradient();
         let mut norms = gradient.norms(history.state);
@@ -104,10 +102,9 @@ impl<'a> StepSolver<'a> {
             (TimeStep::bdf2(history, dt), history.usable(dt))
         {
             step = bdf2;
-            // Areas go like lengths squared, so both roots are taken alike.
-            norms = extrapolated(&norms, &gradient.norms(previous), growth, 1);
-            if self.law.masses(previous).is_some() {
-                masses = extrapolated(&masses, &self.masses(previous), growth, 2);
+            match self.law.masses(previous) {
+                Some(before) => masses = predicted_masses(&masses, &before, growth),
+                None => norms = predicted_gradients(&norms, &gradient.norms(previous), growth),
             }
         }
         let mut state = self.solve(history, &step, &norms, &masses)?;
@@ -195,21 +192,4 @@ impl<'a> StepSolver<'a> {
             tau: step.tau,
         }
     }
-}
-
-/// Non-negative `values` a step ahead. Their square root, taken `halvings` times, is what is
-/// linear in time: unlike the gradient itself, that neither changes sign nor bounces back where
-/// a face goes flat.
-fn extrapolated(values: &[f64], previous: &[f64], growth: f64, halvings: u32) -> Vec<f64> {
-    let root = |value: f64| (0..halvings).fold(value, |value, _| value.sqrt());
-    let least = root(LEAST_DECAY);
-    let ahead = |now: f64, before: f64| (now + growth * (now - before)).max(least * now);
-    values
-        .iter()
-        .zip(previous)
-        .map(|(&value, &previous)| {
-            let ahead = ahead(root(value), root(previous));
-            (0..halvings).fold(ahead, |value, _| value * value)
-        })
-        .collect()
 }

@@ -3,14 +3,10 @@
 use crate::error::{Error, Result};
 use crate::method::Method;
 
-/// Where the spacing of the times turns from uniform to logarithmic, relative to the last time.
-/// Three decades of scale, skin detail to whole limbs, then have steps enough, and the first
-/// step, which has no history to extrapolate, is short.
-const ONSET: f64 = 1.5e-3;
-
-/// N + 1 times from 0 for N = `steps`, length²: t_k = c ((1 + t_N/c)^(k/N) − 1).
+/// N + 1 times from 0 for N = `steps`, length²: t_k = c ((1 + t_N/c)^(k/N) − 1), evenly spaced
+/// at first and from about c on in log t.
 ///
-/// They end at a fraction of the surface `area` that depends on the method, so one filter means
+/// c and t_N are fractions of the surface `area` that depend on the method, so one filter means
 /// the same on every pose and size.
 ///
 /// # Errors
@@ -19,15 +15,18 @@ pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64
     if steps == 0 {
         return Err(Error::Argument("steps must be at least 1".into()));
     }
-    let onset = ONSET * area * last_relative_time(method);
-    let time = |k: usize| onset * ((1.0 + 1.0 / ONSET).powf(k as f64 / steps as f64) - 1.0);
+    let (finest, largest) = relative_scales(method);
+    let range = 1.0 + largest / finest;
+    let time = |k: usize| area * finest * (range.powf(k as f64 / steps as f64) - 1.0);
     Ok((0..=steps).map(time).collect())
 }
 
-fn last_relative_time(method: &Method) -> f64 {
+/// c and t_N relative to the area: from the skin to the largest feature that the method is for.
+/// The flow ends while the body still stands, so that the residual is one.
+fn relative_scales(method: &Method) -> (f64, f64) {
     match method {
-        Method::Heat | Method::Naive | Method::ShapeTv => 2e-2,
-        Method::ConformalLaplace { .. } => 3e-2,
-        Method::DirectionalTv { .. } => 1e-3,
+        Method::Heat | Method::Naive | Method::ShapeTv => (4.5e-6, 3e-3),
+        Method::ConformalLaplace { .. } => (1.5e-5, 1e-2),
+        Method::DirectionalTv { .. } => (1.5e-5, 1e-3),
     }
 }

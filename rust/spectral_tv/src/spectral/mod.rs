@@ -3,5 +3,5 @@
 mod bands;
 mod transform;
 
-pub use bands::{check_edges, logarithmic_edges};
+pub use bands::{check_edges, even_edges};
 pub use transform::SpectralTransform;

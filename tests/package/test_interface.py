@@ -1,0 +1,79 @@
+"""Shapes, names and documentation of the package."""
+
+from __future__ import annotations
+
+import inspect
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import spectral_tv
+from shapes import icosphere
+
+
+def test_shapes_of_everything():
+    vertices, triangles = icosphere(2)
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    assert mesh.vertex_areas.shape == (162,)
+    assert mesh.face_areas.shape == (320,)
+    assert mesh.area == pytest.approx(4 * np.pi, rel=0.05)
+    assert mesh.face_areas.sum() == pytest.approx(mesh.area)
+    assert mesh.vertex_areas.sum() == pytest.approx(mesh.area)
+
+    split = spectral_tv.decompose(mesh, steps=7)
+    assert split.times.shape == (8,)
+    assert split.spectrum.shape == (6,)
+    assert split.residual.shape == (162, 3)
+    assert split.band_edges(3).shape == (4,)
+    assert split.bands(split.band_edges(3)).shape == (3, 162, 3)
+    assert split.filter(np.ones(6)).shape == (162, 3)
+    assert split.flow.states.shape == (8, 162, 3)
+
+    for values, shape in ((vertices[:, 0], (4, 162)), (vertices[:, :2], (4, 162, 2))):
+        flow = spectral_tv.flow(mesh, values, [0, 0.1, 0.2, 0.3])
+        assert flow.states.shape == shape
+        assert flow.total_variation.shape == (4,)
+        assert flow.gap.shape == (3,)
+        np.testing.assert_array_equal(flow.states[0], values)
+    assert spectral_tv.conformal_flow(mesh, 0.1, 2).shape == (162, 3)
+    assert isinstance(spectral_tv.total_variation(mesh, vertices), float)
+
+
+def test_default_times_follow_the_area():
+    """One filter then means the same on every size."""
+    vertices, triangles = icosphere(2)
+    ends = {"m1": 3e-3, "m2": 1e-2, "m3": 1e-3}
+    for size in (1.0, 10.0):
+        mesh = spectral_tv.Mesh(size * vertices, triangles)
+        for method, end in ends.items():
+            times = spectral_tv.decompose(mesh, method, steps=5).times
+            assert times[-1] == pytest.approx(end * mesh.area)
+
+
+def test_components_are_in_the_band_whose_edges_hold_their_time():
+    mesh = spectral_tv.Mesh(*icosphere(2))
+    split = spectral_tv.decompose(mesh, times=[0, 1e-3, 2e-3, 4e-3, 8e-3])
+    alone = split.bands([0, 1.5e-3, 3e-3, 1])
+    # An edge that equals a time belongs to the band above it.
+    np.testing.assert_allclose(split.bands([1e-3, 2e-3])[0], alone[0], atol=1e-15)
+    np.testing.assert_allclose(split.bands([2e-3, 4e-3])[0], alone[1], atol=1e-15)
+    np.testing.assert_allclose(split.bands([5e-3, 7e-3])[0], 0)
+
+
+def test_everything_public_is_documented():
+    for name in spectral_tv.__all__:
+        item = getattr(spectral_tv, name)
+        if name == "__version__":
+            continue
+        assert item.__doc__, name
+        if inspect.isclass(item) and not issubclass(item, Exception):
+            for attribute, member in vars(item).items():
+                if not attribute.startswith("_"):
+                    assert member.__doc__, f"{name}.{attribute}"
+
+
+def test_version_is_that_of_cargo():
+    root = Path(__file__).resolve().parents[2]
+    cargo = tomllib.loads((root / "Cargo.toml").read_text(encoding="utf-8"))
+    assert spectral_tv.__version__ == cargo["workspace"]["package"]["version"]
