@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import reference
 import spectral_tv
-from shapes import bumpy_sphere, cylinder_open, dumbbell, torus
+from shapes import bumpy_sphere, cylinder_open, dumbbell, grid, torus
 
 MESHES = {
     "bumpy_sphere": bumpy_sphere(4),
@@ -90,11 +90,38 @@ def test_directional_representation(both):
     base = spectral_tv.conformal_flow(mesh, time=0.05, steps=5)
     split = spectral_tv.decompose(mesh, "m3", steps=8, base=base)
     distance, direction = reference.directional(vertices, triangles, base)
-    np.testing.assert_allclose(split.flow.states[0], distance, atol=1e-9)
+    # The library keeps the sides of neighbours coherent; the reference takes plain signs.
+    sides = np.sign(split.flow.states[0] * distance)
+    assert (sides > 0).mean() > 0.75
+    direction *= sides[:, None]
+    np.testing.assert_allclose(split.flow.states[0], sides * distance, atol=1e-9)
     phi, residual = reference.spectral_transform(split.times, split.flow.states)
     np.testing.assert_allclose(split.residual, base + residual[:, None] * direction, atol=1e-9)
     bands = split.bands(split.times[1:])
     np.testing.assert_allclose(bands, phi[..., None] * direction, atol=1e-9)
+
+
+def test_height_field_over_a_flat_base_is_its_signed_height():
+    """The image case (Brokman et al. 2024, Sec. 9.3), the height of either sign."""
+    vertices, triangles = grid(40, 30, 2.0, 1.5)
+    height = 0.1 * np.sin(9 * vertices[:, 0]) * np.cos(7 * vertices[:, 1]) + 0.01
+    raised = vertices + height[:, None] * [0, 0, 1]
+    split = spectral_tv.decompose(spectral_tv.Mesh(raised, triangles), "m3", base=vertices)
+    np.testing.assert_allclose(split.flow.states[0], height, atol=1e-12)
+
+
+def test_displacement_stays_coherent_where_it_turns_tangential():
+    """Neighbours with like displacements lie on the same side, where the plain sign flips."""
+    vertices, triangles = dumbbell()
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    base = spectral_tv.conformal_flow(mesh, time=0.05, steps=5)
+    distance = spectral_tv.decompose(mesh, "m3", steps=4, base=base).flow.states[0]
+    plain, _ = reference.directional(vertices, triangles, base)
+    unit = (vertices - base) / np.abs(distance)[:, None]
+    i, j = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).T
+    alike = (unit[i] * unit[j]).sum(axis=1) > 0.5
+    assert (plain[i] * plain[j] < 0)[alike].any()
+    assert (distance[i] * distance[j] > 0)[alike].all()
 
 
 def test_spectral_transform_for_uneven_times(both):

@@ -28,8 +28,8 @@ BANDS = 5
 # Method, heading, and the gain at which its bands are shown.
 METHODS = (
     ("M1", "M1  Shape spectral TV", 3.0),
-    ("M2", "M2  Conformalized 3-Laplace", 2.0),
-    ("M3", "M3  Directional TV", 4.0),
+    ("M2", "M2  Conformalized 3-Laplace", 1.5),
+    ("M3", "M3  Directional TV", 3.0),
 )
 
 

@@ -101,7 +101,7 @@ def render(
         Degrees by which the view is turned from the front to the object's left.
     margin : float
         Space around the object's own shape as a share of its larger extent in the picture.
-        What reaches beyond is clipped at the edge of the cell.
+        A version that would not fit is shown smaller.
     progress : callable, optional
         Called after each cell with the share of cells done, in (0, 1].
     """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -66,14 +68,16 @@ class Studio:
         low, high = self._extent(vertices_of(obj.data))
         camera = bpy.data.cameras.new("Studio")
         camera.type = "ORTHO"
-        camera.ortho_scale = float((high - low)[:2].max()) * (1 + margin)
-        self._distance = 2 * camera.ortho_scale + float(high[2] - low[2])
+        self._scale = float((high - low)[:2].max()) * (1 + margin)
+        self._distance = 2 * self._scale + float(high[2] - low[2])
         camera.clip_end = 100 * self._distance
         self.scene.camera = self._add("Camera", camera)
         self.scene.camera.rotation_euler = self._turn.to_euler()
 
     def shoot(self, vertices: np.ndarray) -> Image.Image:
         """Photograph the mesh with other vertex positions, centred in the picture.
+
+        The scale is that of the mesh's own shape, or smaller where a shape would not fit.
 
         Parameters
         ----------
@@ -88,6 +92,7 @@ class Studio:
         self._mesh.vertices.foreach_set("co", np.ravel(vertices).astype(np.float32))
         self._mesh.update()
         low, high = self._extent(vertices)
+        self.scene.camera.data.ortho_scale = max(self._scale, 1.02 * (high - low)[:2].max())
         eye = (low + high) / 2
         eye[2] = high[2] + self._distance
         self.scene.camera.location = self._turn @ Vector(eye)
@@ -162,9 +167,24 @@ def _render(scene: bpy.types.Scene) -> Image.Image:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "render.png"
         scene.render.filepath = str(path)
-        bpy.ops.render.render(scene=scene.name, write_still=True)
+        with _silence():
+            bpy.ops.render.render(scene=scene.name, write_still=True)
         with Image.open(path) as picture:
             return picture.convert("RGBA")
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep Blender's own lines of every render off the progress bar."""
+    sys.stdout.flush()
+    terminal = os.dup(1)
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+    try:
+        yield
+    finally:
+        os.dup2(terminal, 1)
+        os.close(terminal)
 
 
 def vertices_of(mesh: bpy.types.Mesh) -> np.ndarray:

@@ -78,7 +78,7 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
         }
         Method::DirectionalTv { base } => {
             let base = base.shape(mesh, &operators, stage.stage(0.0, BASE_SHARE))?;
-            let representation = Displacement::between(mesh, base);
+            let representation = Displacement::between(mesh, &operators, base)?;
             let trajectory = tv(&representation.distance, stage.stage(BASE_SHARE, 1.0))?;
             displacement = Some(representation);
             trajectory

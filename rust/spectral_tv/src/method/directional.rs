@@ -5,6 +5,7 @@ use ndarray::{Array2, ArrayView2, Axis};
 use crate::error::{Error, Result};
 use crate::flow::conformal_mean_curvature_flow;
 use crate::mesh::TriangleMesh;
+use crate::method::outward::outward_signs;
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
 
@@ -91,29 +92,34 @@ pub struct Displacement {
 
 impl Displacement {
     /// f = α|S − Ŝ| and d̂ = α(S − Ŝ)/|S − Ŝ|, α = ±1 such that d̂ points to the same side as
-    /// the normal of Ŝ; the normal itself where S and Ŝ coincide.
-    pub fn between(mesh: &TriangleMesh, base: Array2<f64>) -> Self {
-        let shape = positions(mesh);
+    /// the normal of Ŝ ([`outward_signs`]); the normal itself where S and Ŝ coincide.
+    ///
+    /// # Errors
+    /// [`crate::Error::Solver`] if the signs cannot be computed.
+    pub fn between(
+        mesh: &TriangleMesh,
+        operators: &Discretization,
+        base: Array2<f64>,
+    ) -> Result<Self> {
         let normals = vertex_normals(base.view(), mesh.triangles());
+        let mut direction = positions(mesh) - &base;
+        let signs = outward_signs(operators, direction.view(), normals.view())?;
         let smallest = COINCIDENT * mesh.area().sqrt();
-        let mut direction = &shape - &base;
         let mut distance = Array2::zeros((1, base.ncols()));
         for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {
-            let normal = normals.column(vertex);
             let length = column.dot(&column).sqrt();
             if length <= smallest {
-                column.assign(&normal);
+                column.assign(&normals.column(vertex));
                 continue;
             }
-            let sign = if column.dot(&normal) < 0.0 { -1.0 } else { 1.0 };
-            distance[[0, vertex]] = sign * length;
-            column.mapv_inplace(|component| sign * component / length);
+            distance[[0, vertex]] = signs[vertex] * length;
+            column.mapv_inplace(|component| signs[vertex] * component / length);
         }
-        Self {
+        Ok(Self {
             base,
             direction,
             distance,
-        }
+        })
     }
 
     /// `values` (1, V) times d̂: a displacement, (3, V).

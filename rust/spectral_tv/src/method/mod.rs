@@ -6,6 +6,7 @@
 mod decompose;
 mod decomposition;
 mod directional;
+mod outward;
 mod schedule;
 
 pub use decompose::{Scheme, Settings, decompose, run_flow};

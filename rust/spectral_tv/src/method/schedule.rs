@@ -25,7 +25,7 @@ pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64
 /// The flow ends while the body still stands, so that the residual is one.
 fn relative_scales(method: &Method) -> (f64, f64) {
     match method {
-        Method::Heat | Method::Naive | Method::ShapeTv => (4.5e-6, 3e-3),
+        Method::Heat | Method::Naive | Method::ShapeTv => (1e-5, 3e-3),
         Method::ConformalLaplace { .. } => (1.5e-5, 1e-2),
         Method::DirectionalTv { .. } => (1.5e-5, 1e-3),
     }
