@@ -33,7 +33,9 @@ lint: $(VENV)/.installed
 
 extension: $(EXTENSION_STAMP)
 
-bench: $(VENV)/.installed $(WHEEL_STAMP)
+bench: $(WHEEL_STAMP)
+	$(BIN)/python tools/check_system.py cholmod
+	$(BIN)/python -m pip install --quiet --group bench
 	$(BIN)/python -m tools.bench $(MESH)
 
 clean:

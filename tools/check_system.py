@@ -1,8 +1,12 @@
-"""Say which system libraries and tools are missing, and the command that installs them."""
+"""Say which system libraries and tools are missing, and the command that installs them.
+
+python check_system.py [cholmod]
+"""
 
 import ctypes
 import shutil
 import sys
+from pathlib import Path
 
 # Shared libraries that the bpy package loads, and Debian's packages of them.
 LIBRARIES = {
@@ -25,6 +29,8 @@ def main() -> None:
     missing = [package for name, package in LIBRARIES.items() if not is_loadable(name)]
     if missing:
         problems.append(f"system libraries are missing; run: apt-get install {' '.join(missing)}")
+    if "cholmod" in sys.argv[1:] and not Path("/usr/include/suitesparse/cholmod.h").is_file():
+        problems.append("CHOLMOD is missing; run: apt-get install libsuitesparse-dev")
     if shutil.which("cargo") is None:
         problems.append("Rust is missing; install it from https://rustup.rs (1.88 or later)")
     if shutil.which("cc") is None:
