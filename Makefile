@@ -14,7 +14,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test lint extension bench clean
+.PHONY: demo test lint extension bench pictures clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -24,12 +24,14 @@ test: lint $(EXTENSION_STAMP)
 	cargo test --workspace --release --quiet
 	$(BIN)/python -m pytest tests
 
-lint: $(VENV)/.installed
+lint: $(WHEEL_STAMP)
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --quiet -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 	$(BIN)/ruff format --check .
-	$(BIN)/ruff check .
+	$(BIN)/ruff check --quiet .
+	$(BIN)/python -m mypy
+	$(BIN)/python -m mypy.stubtest spectral_tv
 
 extension: $(EXTENSION_STAMP)
 
@@ -38,8 +40,13 @@ bench: $(WHEEL_STAMP)
 	$(BIN)/python -m pip install --quiet --group bench
 	$(BIN)/python -m tools.bench $(MESH)
 
+pictures: $(EXTENSION_STAMP)
+	$(BIN)/python -m tools.demo --cell 180 --output .build/pictures
+	mkdir -p docs/pictures
+	cp .build/pictures/creature.png docs/pictures/filters.png
+
 clean:
-	rm -rf $(VENV) target dist demo
+	rm -rf $(VENV) target dist demo .build
 
 $(VENV)/.installed: pyproject.toml tools/check_system.py
 	$(PYTHON) tools/check_system.py

@@ -66,7 +66,7 @@ def face_areas(vertices: Array, triangles: Triangles) -> Array:
 def vertex_areas(vertices: Array, triangles: Triangles) -> Array:
     """Lumped (barycentric) vertex areas, (V,)."""
     thirds = np.repeat(face_areas(vertices, triangles) / 3.0, 3)
-    return np.bincount(triangles.ravel(), thirds, len(vertices))
+    return np.bincount(triangles.ravel(), thirds, len(vertices)).astype(np.float64)
 
 
 def vertex_normals(vertices: Array, triangles: Triangles) -> Array:

@@ -1,9 +1,12 @@
 """Say which system libraries and tools are missing, and the command that installs them.
 
-python check_system.py [cholmod]
+python check_system.py [--packages] [cholmod]
+
+With --packages, print the names of Debian's packages only.
 """
 
 import ctypes
+import importlib.util
 import shutil
 import sys
 from pathlib import Path
@@ -25,21 +28,32 @@ LIBRARIES = {
 
 def main() -> None:
     """Exit with a message unless everything is there."""
+    packages = missing_packages(with_cholmod="cholmod" in sys.argv[1:])
+    if "--packages" in sys.argv[1:]:
+        print(" ".join(packages))
+        return
     problems = []
-    missing = [package for name, package in LIBRARIES.items() if not is_loadable(name)]
-    if missing:
-        problems.append(f"system libraries are missing; run: apt-get install {' '.join(missing)}")
-    if "cholmod" in sys.argv[1:] and not Path("/usr/include/suitesparse/cholmod.h").is_file():
-        problems.append("CHOLMOD is missing; run: apt-get install libsuitesparse-dev")
+    if packages:
+        problems.append(f"system packages are missing; run: apt-get install {' '.join(packages)}")
     if shutil.which("cargo") is None:
-        problems.append("Rust is missing; install it from https://rustup.rs (1.88 or later)")
-    if shutil.which("cc") is None:
-        problems.append("a C compiler is missing; run: apt-get install gcc")
+        problems.append("Rust is missing; install 1.88 or later from https://rustup.rs")
     if sys.version_info[:2] != (3, 11):
         found = ".".join(map(str, sys.version_info[:2]))
         problems.append(f"bpy needs Python 3.11, but this is {found}; set PYTHON=python3.11")
     if problems:
         sys.exit("\n".join(problems))
+
+
+def missing_packages(*, with_cholmod: bool) -> list[str]:
+    """Debian packages that have to be installed."""
+    missing = [package for name, package in LIBRARIES.items() if not is_loadable(name)]
+    if shutil.which("cc") is None:
+        missing.append("gcc")
+    if importlib.util.find_spec("ensurepip") is None:
+        missing.append("python3.11-venv")
+    if with_cholmod and not Path("/usr/include/suitesparse/cholmod.h").is_file():
+        missing.append("libsuitesparse-dev")
+    return missing
 
 
 def is_loadable(name: str) -> bool:

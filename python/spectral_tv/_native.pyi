@@ -4,6 +4,7 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__: list[str]
 __version__: str
 
 _Method = Literal["m1", "m2", "m3", "naive", "heat"]

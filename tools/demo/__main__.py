@@ -57,6 +57,7 @@ def main() -> None:
             obj,
             sheets,
             picture,
+            cell=arguments.cell,
             azimuth=arguments.azimuth,
             progress=lambda fraction: bar.update(round(100 * fraction) - bar.n),
         )
@@ -69,6 +70,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("mesh", type=Path, nargs="?", help="a file that Blender imports")
     parser.add_argument("--up", choices=("Y", "Z"), help="the upward axis of a .ply or .stl")
     parser.add_argument("--azimuth", type=float, default=25.0, help="degrees to turn the view by")
+    parser.add_argument("--cell", type=int, default=280, help="pixels of a cell of the picture")
     parser.add_argument("--output", type=Path, default=ROOT / "demo")
     return parser.parse_args()
 

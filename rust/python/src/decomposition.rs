@@ -12,7 +12,7 @@ use crate::error::Failure;
 use crate::flow::Flow;
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
-use crate::settings::{DEFAULT_STEPS, DEFAULT_TOLERANCE, Request};
+use crate::settings::Request;
 
 /// A shape split into scales by `decompose`.
 ///
@@ -165,8 +165,8 @@ impl Decomposition {
 /// MeshError
 ///     If an argument is of the wrong shape, not finite, or out of range; says where.
 #[pyfunction]
-#[pyo3(signature = (mesh, method = "m1", times = None, steps = DEFAULT_STEPS, progress = None, *,
-                    scheme = "extrapolated", tolerance = DEFAULT_TOLERANCE, p = 3, base = None))]
+#[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, progress = None, *,
+                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -206,8 +206,8 @@ pub fn decompose(
 /// MeshError
 ///     If an argument cannot be read; what only the work finds out, `Job.result` raises.
 #[pyfunction]
-#[pyo3(signature = (mesh, method = "m1", times = None, steps = DEFAULT_STEPS, *,
-                    scheme = "extrapolated", tolerance = DEFAULT_TOLERANCE, p = 3, base = None))]
+#[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, *,
+                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"

@@ -13,7 +13,7 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::job::Task;
 use crate::mesh::Mesh;
-use crate::settings::{DEFAULT_TOLERANCE, scheme as parse_scheme};
+use crate::settings::scheme as parse_scheme;
 
 /// A flow sampled at N + 1 times, made by `flow` or found in `Decomposition.flow`.
 #[pyclass(frozen, module = "spectral_tv")]
@@ -107,7 +107,7 @@ impl Flow {
 ///     If an argument is of the wrong shape, not finite, or out of range; says where.
 #[pyfunction]
 #[pyo3(signature = (mesh, values, times, operator = "tv", exact = false, progress = None, *,
-                    scheme = "extrapolated", tolerance = DEFAULT_TOLERANCE))]
+                    scheme = "extrapolated", tolerance = 1e-3))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"

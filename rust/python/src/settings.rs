@@ -9,10 +9,6 @@ use spectral_tv::method::{Base, Method, Scheme, Settings};
 use crate::arrays;
 use crate::error::Failure;
 
-/// Steps of a decomposition where nothing is said, and the gap of exact steps.
-pub const DEFAULT_STEPS: usize = 32;
-pub const DEFAULT_TOLERANCE: f64 = 1e-3;
-
 /// The keyword arguments of `decompose` and `start_decompose`.
 pub struct Request<'a, 'py> {
     pub method: &'a str,
