@@ -92,7 +92,7 @@ pub struct Displacement {
 
 impl Displacement {
     /// f = α|S − Ŝ| and d̂ = α(S − Ŝ)/|S − Ŝ|, α = ±1 such that d̂ points to the same side as
-    /// the normal of Ŝ ([`outward_signs`]); the normal itself where S and Ŝ coincide.
+    /// the normal of Ŝ (see `outward`); the normal itself where S and Ŝ coincide.
     ///
     /// # Errors
     /// [`crate::Error::Solver`] if the signs cannot be computed.
