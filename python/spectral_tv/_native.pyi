@@ -4,7 +4,20 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__: list[str]
+__all__ = [
+    "Cancelled",
+    "Decomposition",
+    "Flow",
+    "Job",
+    "Mesh",
+    "MeshError",
+    "__version__",
+    "conformal_flow",
+    "decompose",
+    "flow",
+    "start_decompose",
+    "total_variation",
+]
 __version__: str
 
 _Method = Literal["m1", "m2", "m3", "naive", "heat"]
