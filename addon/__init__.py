@@ -1,13 +1,20 @@
-"""Spectral TV: split a mesh into bands of detail that can be dialled, masked and animated."""
+"""Spectral TV: split a mesh into bands of detail that can be dialled, masked and animated.
 
-from . import operators
+Panels call operators, operators run jobs, jobs call the package spectral_tv.
+"""
+
+from . import handlers, operators, panels, properties, records, spectrum
+
+_PARTS = (properties, records, spectrum, operators, panels, handlers)
 
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""
-    operators.register()
+    for part in _PARTS:
+        part.register()
 
 
 def unregister() -> None:
     """Called by Blender when the extension is disabled."""
-    operators.unregister()
+    for part in reversed(_PARTS):
+        part.unregister()

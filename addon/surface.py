@@ -13,11 +13,12 @@ from .objects import Refusal
 class Surface:
     """The Basis shape of a mesh object as triangles in world scale.
 
-    ``mesh`` has the rotation and scale of the object applied, not its location; ``inverse``
-    (3, 3) takes its displacements back to object space.
+    ``mesh`` has the rotation and scale of the object applied, not its location; ``matrix``
+    (3, 3) is what was applied, ``inverse`` takes displacements back to object space.
     """
 
     mesh: spectral_tv.Mesh
+    matrix: np.ndarray
     inverse: np.ndarray
 
     @classmethod
@@ -31,7 +32,12 @@ class Surface:
         if np.linalg.matrix_rank(to_world) < 3:
             raise Refusal("its scale is zero along an axis")
         vertices = basis_coordinates(obj.data) @ to_world.T
-        return cls(spectral_tv.Mesh(vertices, triangles(obj.data)), np.linalg.inv(to_world))
+        mesh = spectral_tv.Mesh(vertices, triangles(obj.data))
+        return cls(mesh, to_world, np.linalg.inv(to_world))
+
+    def to_world(self, vertices: np.ndarray) -> np.ndarray:
+        """Object-space positions (V, 3) in the space of the mesh."""
+        return vertices @ self.matrix.T
 
     def to_object(self, displacements: np.ndarray) -> np.ndarray:
         """Displacements (..., V, 3) of the mesh in object space."""

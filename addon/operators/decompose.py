@@ -4,76 +4,152 @@ import time
 
 import bpy
 import spectral_tv
-from bpy.props import EnumProperty, IntProperty
 
+from .. import jobs
+from ..bands import add_bands, base_shape
 from ..objects import Refusal, refusal
-from ..shape_keys import add_displacements
+from ..properties import DecompositionProperties
 from ..surface import Surface
-from ._progress import cursor_progress
+from ._progress import cursor_progress, redraw_sidebars
 
-METHODS = (
-    ("M1", "Shape Detail", "M1, shape spectral TV: surface detail at every size"),
-    ("M2", "Limbs and Head", "M2, conformalized 3-Laplace: limbs, head and other extremities"),
-    ("M3", "Edge-Keeping Detail", "M3, directional TV on a smooth base: detail with crisp edges"),
-    ("NAIVE", "Per Axis", "TV of each coordinate alone: squares the shape along its axes"),
-    ("HEAT", "Heat", "Linear diffusion, for comparison"),
-)
+# Seconds between two looks at the job; Esc is an event of its own and does not wait for them.
+POLL = 0.05
 
 
-class SPECTRAL_TV_OT_decompose(bpy.types.Operator):
+class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
     """Split the active mesh into bands of detail, one shape key per band"""
 
     bl_idname = "spectral_tv.decompose"
     bl_label = "Decompose into Bands"
     bl_options = {"REGISTER", "UNDO"}
 
-    method: EnumProperty(name="Method", items=METHODS, default="M1")
-    bands: IntProperty(
-        name="Bands",
-        description="Number of bands, from the finest detail to the largest",
-        default=5,
-        min=1,
-        max=32,
-    )
-    steps: IntProperty(
-        name="Steps",
-        description="Number of time steps of the flow: more separate scales more sharply",
-        default=32,
-        min=2,
-        soft_max=128,
-        max=1000,
-    )
-
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         reason = refusal(context.active_object)
+        if reason is None and jobs.running() is not None:
+            reason = "A decomposition is running; Esc cancels it"
         if reason is not None:
             cls.poll_message_set(reason)
         return reason is None
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        started = time.perf_counter()
+        """Run to completion: in scripts, in the background, and on Adjust Last Operation."""
+        self._started = time.perf_counter()
         obj = context.active_object
         try:
-            bands = self._decompose(context, Surface.read(obj))
+            surface, arguments = self._prepare(obj)
+            with cursor_progress(context) as progress:
+                split = spectral_tv.decompose(surface.mesh, **arguments, progress=progress)
         except (spectral_tv.MeshError, Refusal) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
-        names = [f"{self.method.title()} Band {band + 1}" for band in range(self.bands)]
-        add_displacements(obj, names, bands)
-        seconds = time.perf_counter() - started
+        return self._write(obj, surface, split)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Run in a thread; the window stays alive and Esc cancels."""
+        if bpy.app.background:
+            return self.execute(context)
+        self._started = time.perf_counter()
+        obj = context.active_object
+        try:
+            self._surface, arguments = self._prepare(obj)
+            jobs.start(spectral_tv.start_decompose(self._surface.mesh, **arguments), obj)
+        except (spectral_tv.MeshError, Refusal) as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        manager = context.window_manager
+        manager.spectral_tv.progress = 0
+        manager.spectral_tv.message = f"Decomposing {obj.name}"
+        self._timer = manager.event_timer_add(POLL, window=context.window)
+        manager.modal_handler_add(self)
+        redraw_sidebars(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        running = jobs.running()
+        if event.type == "ESC" and event.value == "PRESS":
+            self.cancel(context)
+            self.report({"INFO"}, "Decomposition cancelled")
+            return {"CANCELLED"}
+        if running is None:  # by the button, or by loading a file
+            self.cancel(context)
+            return {"CANCELLED"}
+        if event.type == "TIMER":
+            context.window_manager.spectral_tv.progress = running.job.progress
+            redraw_sidebars(context)
+            if running.job.done:
+                return self._collect(context, running)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Leave nothing behind; Blender calls it too when it ends the operator itself."""
+        jobs.finish()
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        redraw_sidebars(context)
+
+    _timer = None
+
+    def _prepare(self, obj: bpy.types.Object) -> tuple[Surface, dict]:
+        settings = self.settings()
+        if settings.bands >= settings.steps:
+            raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
+        if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
+            raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
+        surface = Surface.read(obj)
+        return surface, settings.arguments(surface.mesh, base_shape(obj, settings, surface))
+
+    def _collect(self, context: bpy.types.Context, running: jobs.Running) -> set[str]:
+        """Write the result of a finished job, if its object is still what it was."""
+        self.cancel(context)
+        obj = bpy.data.objects.get(running.object_name)
+        if refusal(obj) is not None or jobs.state_of(obj) != running.state:
+            message = "changed while it was decomposed; nothing was written"
+            self.report({"WARNING"}, f"{running.object_name}: {message}")
+            return {"CANCELLED"}
+        try:
+            split = running.job.result()
+        except (spectral_tv.MeshError, RuntimeError) as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        return self._write(obj, self._surface, split)
+
+    def _write(
+        self, obj: bpy.types.Object, surface: Surface, split: spectral_tv.Decomposition
+    ) -> set[str]:
+        add_bands(obj, self.settings(), surface, split)
+        seconds = time.perf_counter() - self._started
         message = f"{obj.name}: {self.bands} bands of {self.method} added in {seconds:.1f} s"
         if obj.data.users > 1:
             message += f"; {obj.data.users} objects share this mesh and its shape keys"
         self.report({"INFO"}, message)
         return {"FINISHED"}
 
-    def _decompose(self, context: bpy.types.Context, surface: Surface):
-        """Return the displacement of every band in object space, (K, V, 3)."""
-        if self.bands >= self.steps:
-            raise Refusal(f"{self.bands} bands need more than {self.steps} steps")
-        with cursor_progress(context) as progress:
-            split = spectral_tv.decompose(
-                surface.mesh, method=self.method.lower(), steps=self.steps, progress=progress
-            )
-        return surface.to_object(split.bands(split.band_edges(self.bands)))
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out Adjust Last Operation."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "method")
+        layout.prop(self, "bands")
+        layout.prop(self, "steps")
+
+
+class SPECTRAL_TV_OT_cancel(bpy.types.Operator):
+    """Cancel the running decomposition; the mesh stays as it is"""
+
+    bl_idname = "spectral_tv.cancel"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        return jobs.running() is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        jobs.finish()
+        redraw_sidebars(context)
+        return {"FINISHED"}
+
+
+CLASSES = (SPECTRAL_TV_OT_decompose, SPECTRAL_TV_OT_cancel)

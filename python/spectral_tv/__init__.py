@@ -20,7 +20,9 @@ from spectral_tv._native import (
     __version__,
     conformal_flow,
     decompose,
+    default_scales,
     flow,
+    graded_times,
     start_decompose,
     total_variation,
 )
@@ -35,7 +37,9 @@ __all__ = [
     "__version__",
     "conformal_flow",
     "decompose",
+    "default_scales",
     "flow",
+    "graded_times",
     "start_decompose",
     "total_variation",
 ]

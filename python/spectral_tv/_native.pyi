@@ -14,7 +14,9 @@ __all__ = [
     "__version__",
     "conformal_flow",
     "decompose",
+    "default_scales",
     "flow",
+    "graded_times",
     "start_decompose",
     "total_variation",
 ]
@@ -86,6 +88,7 @@ def decompose(
     tolerance: float = 1e-3,
     p: int = 3,
     base: ArrayLike | None = None,
+    base_time: float | None = None,
 ) -> Decomposition: ...
 def start_decompose(
     mesh: Mesh,
@@ -97,6 +100,7 @@ def start_decompose(
     tolerance: float = 1e-3,
     p: int = 3,
     base: ArrayLike | None = None,
+    base_time: float | None = None,
 ) -> Job: ...
 def flow(
     mesh: Mesh,
@@ -113,3 +117,5 @@ def conformal_flow(
     mesh: Mesh, time: float, steps: int = 10, progress: _Progress | None = None
 ) -> NDArray[np.float64]: ...
 def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
+def default_scales(method: _Method) -> tuple[float, float]: ...
+def graded_times(finest: float, largest: float, steps: int = 32) -> NDArray[np.float64]: ...

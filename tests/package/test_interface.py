@@ -51,6 +51,21 @@ def test_default_times_follow_the_area():
             assert times[-1] == pytest.approx(end * mesh.area)
 
 
+def test_default_times_are_graded_times():
+    mesh = spectral_tv.Mesh(*icosphere(2))
+    for method in ("m1", "m2", "m3", "naive", "heat"):
+        finest, largest = (scale * mesh.area for scale in spectral_tv.default_scales(method))
+        times = spectral_tv.graded_times(finest, largest, steps=5)
+        np.testing.assert_allclose(spectral_tv.decompose(mesh, method, steps=5).times, times)
+    steps = np.diff(spectral_tv.graded_times(1e-3, 1.0, 100))
+    np.testing.assert_allclose(steps[1:] / steps[:-1], 1001 ** (1 / 100))
+    for finest, largest in ((0, 1), (1, 1), (2, 1), (np.nan, 1), (1, np.inf)):
+        with pytest.raises(spectral_tv.MeshError, match="finest scale"):
+            spectral_tv.graded_times(finest, largest)
+    with pytest.raises(spectral_tv.MeshError, match="method must be"):
+        spectral_tv.default_scales("m4")
+
+
 def test_components_are_in_the_band_whose_edges_hold_their_time():
     mesh = spectral_tv.Mesh(*icosphere(2))
     split = spectral_tv.decompose(mesh, times=[0, 1e-3, 2e-3, 4e-3, 8e-3])

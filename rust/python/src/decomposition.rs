@@ -154,7 +154,9 @@ impl Decomposition {
 /// p : {3, 2, 1}
 ///     The P of "m2". Only 3 is zero-homogeneous.
 /// base : (V, 3) array, optional
-///     The smooth base of "m3". Default: ten steps of `conformal_flow` to 5e-3 of the area.
+///     The smooth base of "m3". Default: the mesh under ten steps of `conformal_flow`.
+/// base_time : float, optional
+///     How far that flow goes, length². Default: 5e-3 of the area.
 ///
 /// Returns
 /// -------
@@ -166,7 +168,7 @@ impl Decomposition {
 ///     If an argument is of the wrong shape, not finite, or out of range; says where.
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, progress = None, *,
-                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None))]
+                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None, base_time = None))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -182,6 +184,7 @@ pub fn decompose(
     tolerance: f64,
     p: u32,
     base: Option<Bound<'_, PyAny>>,
+    base_time: Option<f64>,
 ) -> Result<Decomposition, Failure> {
     let request = Request {
         method,
@@ -191,6 +194,7 @@ pub fn decompose(
         tolerance,
         p,
         base,
+        base_time,
     };
     let task = start(mesh, &request, |inner| Decomposition { inner })?;
     task.wait(py, progress)
@@ -207,7 +211,7 @@ pub fn decompose(
 ///     If an argument cannot be read; what only the work finds out, `Job.result` raises.
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, *,
-                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None))]
+                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None, base_time = None))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -221,6 +225,7 @@ pub fn start_decompose(
     tolerance: f64,
     p: u32,
     base: Option<Bound<'_, PyAny>>,
+    base_time: Option<f64>,
 ) -> Result<Job, Failure> {
     let request = Request {
         method,
@@ -230,6 +235,7 @@ pub fn start_decompose(
         tolerance,
         p,
         base,
+        base_time,
     };
     let task = start(mesh, &request, |inner| -> Convert {
         Box::new(move |py| Ok(Py::new(py, Decomposition { inner })?.into_any()))

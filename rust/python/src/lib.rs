@@ -26,5 +26,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(flow::flow, module)?)?;
     module.add_function(wrap_pyfunction!(flow::conformal_flow, module)?)?;
     module.add_function(wrap_pyfunction!(flow::total_variation, module)?)?;
+    module.add_function(wrap_pyfunction!(settings::default_scales, module)?)?;
+    module.add_function(wrap_pyfunction!(settings::graded_times, module)?)?;
     Ok(())
 }

@@ -1,10 +1,11 @@
 //! Strings and keywords of the Python interface to settings of the mathematics.
 
 use ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::Weights;
-use spectral_tv::method::{Base, Method, Scheme, Settings};
+use spectral_tv::method::{self, Base, Method, Scheme, Settings, relative_scales};
 
 use crate::arrays;
 use crate::error::Failure;
@@ -18,6 +19,7 @@ pub struct Request<'a, 'py> {
     pub tolerance: f64,
     pub p: u32,
     pub base: Option<Bound<'py, PyAny>>,
+    pub base_time: Option<f64>,
 }
 
 impl Request<'_, '_> {
@@ -35,8 +37,13 @@ impl Request<'_, '_> {
     }
 
     fn method(&self) -> Result<Method, Failure> {
-        if self.base.is_some() && self.method != "m3" {
-            return Err(Error::Argument("base is for the method \"m3\" only".into()).into());
+        if (self.base.is_some() || self.base_time.is_some()) && self.method != "m3" {
+            let message = "base and base_time are for the method \"m3\" only";
+            return Err(Error::Argument(message.into()).into());
+        }
+        if self.base.is_some() && self.base_time.is_some() {
+            let message = "base_time smooths the mesh itself, so it does not go with base";
+            return Err(Error::Argument(message.into()).into());
         }
         match self.method {
             "heat" => Ok(Method::Heat),
@@ -46,7 +53,10 @@ impl Request<'_, '_> {
             "m3" => Ok(Method::DirectionalTv {
                 base: match &self.base {
                     Some(base) => Base::Shape(shape(base)?),
-                    None => Base::default(),
+                    None => Base::ConformalFlow {
+                        time: self.base_time,
+                        steps: None,
+                    },
                 },
             }),
             other => Err(Error::Argument(format!(
@@ -55,6 +65,65 @@ impl Request<'_, '_> {
             .into()),
         }
     }
+}
+
+/// The default scales of a method relative to the area: the time from which steps are spaced
+/// in log t, and the last time.
+///
+/// Parameters
+/// ----------
+/// method : {"m1", "m2", "m3", "naive", "heat"}
+///
+/// Returns
+/// -------
+/// (float, float)
+///     t/area of the finest and the largest scale; see `graded_times`.
+///
+/// Raises
+/// ------
+/// MeshError
+///     If there is no such method.
+#[pyfunction]
+pub fn default_scales(method: &str) -> Result<(f64, f64), Failure> {
+    let request = Request {
+        method,
+        times: None,
+        steps: 1,
+        scheme: "extrapolated",
+        tolerance: 1e-3,
+        p: 3,
+        base: None,
+        base_time: None,
+    };
+    Ok(relative_scales(&request.method()?))
+}
+
+/// Times for `decompose`: from 0, evenly spaced at first and from about `finest` on in log t.
+///
+/// Parameters
+/// ----------
+/// finest, largest : float
+///     Times, length². Features of the size ℓ vanish at a time of the order of ℓ².
+/// steps : int
+///     Number of steps N.
+///
+/// Returns
+/// -------
+/// (N+1,) array
+///
+/// Raises
+/// ------
+/// MeshError
+///     If steps is 0 or 0 < finest < largest does not hold.
+#[pyfunction]
+#[pyo3(signature = (finest, largest, steps = 32))]
+pub fn graded_times(
+    py: Python<'_>,
+    finest: f64,
+    largest: f64,
+    steps: usize,
+) -> Result<Bound<'_, PyArray1<f64>>, Failure> {
+    Ok(method::graded_times(finest, largest, steps)?.into_pyarray(py))
 }
 
 /// The way steps are taken.

@@ -12,7 +12,7 @@ mod schedule;
 pub use decompose::{Scheme, Settings, decompose, run_flow};
 pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement};
-pub use schedule::default_times;
+pub use schedule::{default_times, graded_times, relative_scales};
 
 /// A method of decomposing a shape into scales.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,18 +12,33 @@ use crate::method::Method;
 /// # Errors
 /// If `steps` is 0.
 pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64>> {
+    let (finest, largest) = relative_scales(method);
+    graded_times(area * finest, area * largest, steps)
+}
+
+/// N + 1 times from 0 to `largest` for N = `steps`, length²: evenly spaced at first and from
+/// about `finest` on in log t.
+///
+/// # Errors
+/// If `steps` is 0 or 0 < `finest` < `largest` does not hold.
+pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>> {
     if steps == 0 {
         return Err(Error::Argument("steps must be at least 1".into()));
     }
-    let (finest, largest) = relative_scales(method);
+    if !(0.0 < finest && finest < largest && largest.is_finite()) {
+        return Err(Error::Argument(format!(
+            "the finest scale must be above 0 and below the largest, but they are {finest:e} \
+             and {largest:e}"
+        )));
+    }
     let range = 1.0 + largest / finest;
-    let time = |k: usize| area * finest * (range.powf(k as f64 / steps as f64) - 1.0);
+    let time = |k: usize| finest * (range.powf(k as f64 / steps as f64) - 1.0);
     Ok((0..=steps).map(time).collect())
 }
 
-/// c and t_N relative to the area: from the skin to the largest feature that the method is for.
+/// c and t_N relative to the area, as [`default_times`] takes them: from the skin to the largest feature that the method is for.
 /// The flow ends while the body still stands, so that the residual is one.
-fn relative_scales(method: &Method) -> (f64, f64) {
+pub fn relative_scales(method: &Method) -> (f64, f64) {
     match method {
         Method::Heat | Method::Naive | Method::ShapeTv => (1e-5, 3e-3),
         Method::ConformalLaplace { .. } => (1.5e-5, 1e-2),

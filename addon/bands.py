@@ -1,0 +1,126 @@
+"""A decomposition as the bands of an object: shape keys, and the record that links them."""
+
+import uuid
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from .objects import Refusal
+from .records import band_keys, coordinates, digest, topology_digest
+from .settings import Settings
+from .shape_keys import add_displacements
+from .surface import Surface, basis_coordinates
+
+# Flows of this session, so that bands are cut anew without flowing again; the last few only,
+# as each holds all states.
+_flows: dict[str, tuple[spectral_tv.Decomposition, np.ndarray]] = {}
+MOST_FLOWS = 4
+
+
+def base_shape(obj: bpy.types.Object, settings: Settings, surface: Surface) -> np.ndarray | None:
+    """The base of M3 in the space of ``surface``, (V, 3); None for the smoothed shape.
+
+    Raises Refusal if the shape key it should be does not exist.
+    """
+    if settings.method != "M3" or settings.base == "FLOW":
+        return None
+    shape = basis_coordinates(obj.data)
+    if settings.base == "FLAT":
+        shape[:, 2] = shape[:, 2].min()
+    else:
+        keys = obj.data.shape_keys
+        if keys is None or settings.base_key not in keys.key_blocks:
+            raise Refusal(f"there is no shape key {settings.base_key!r} to be the base")
+        shape = coordinates(keys.key_blocks[settings.base_key].data).reshape(-1, 3).astype(float)
+    return surface.to_world(shape)
+
+
+def add_bands(
+    obj: bpy.types.Object,
+    settings: Settings,
+    surface: Surface,
+    split: spectral_tv.Decomposition,
+) -> list[str]:
+    """Write a decomposition as shape keys, remember it, and return the keys' names.
+
+    Keys of an earlier decomposition stay, but are no longer bands.
+    """
+    edges = split.band_edges(settings.bands)
+    names = [f"{settings.method.title()} Band {band + 1}" for band in range(settings.bands)]
+    keys = add_displacements(obj, names, surface.to_object(split.bands(edges)))
+    for key in keys:
+        key.vertex_group = settings.vertex_group
+    _record(obj, settings, surface, split, keys)
+    _write_edges(obj, edges)
+    return [key.name for key in keys]
+
+
+def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
+    """Cut the remembered flow into ``count`` bands that replace the present ones.
+
+    Raises Refusal if the flow is no longer in memory or the mesh was changed since.
+    """
+    record = obj.data.shape_keys.spectral_tv
+    if record.identifier not in _flows:
+        raise Refusal("its flow is no longer in memory; decompose it again")
+    if topology_digest(obj.data) != record.topology:
+        raise Refusal("its vertices or faces changed since; decompose it again")
+    split, inverse = _flows[record.identifier]
+    edges = split.band_edges(count)
+    displacements = split.bands(edges) @ inverse.T
+    for key in band_keys(obj):
+        if key is not None:
+            obj.shape_key_remove(key)
+    names = [f"{record.method.title()} Band {band + 1}" for band in range(count)]
+    keys = add_displacements(obj, names, displacements)
+    for key in keys:
+        key.vertex_group = record.vertex_group
+    _link(obj, keys)
+    _write_edges(obj, edges)
+    return [key.name for key in keys]
+
+
+def has_flow(identifier: str) -> bool:
+    """Whether the flow of a record is still in memory."""
+    return identifier in _flows
+
+
+def forget_flows() -> None:
+    """Free all flows."""
+    _flows.clear()
+
+
+def _record(obj, settings, surface, split, keys) -> None:
+    record = obj.data.shape_keys.spectral_tv
+    record.identifier = uuid.uuid4().hex
+    record.method = settings.method
+    record.area = surface.mesh.area
+    record.topology = topology_digest(obj.data)
+    record.vertex_count = len(obj.data.vertices)
+    record.corner_count = len(obj.data.loops)
+    record.vertex_group = settings.vertex_group
+    record.spectrum.clear()
+    for time, strength in zip(split.times[1:-1], split.spectrum, strict=True):
+        sample = record.spectrum.add()
+        sample.time, sample.strength = time, strength
+    while len(_flows) >= MOST_FLOWS:
+        del _flows[next(iter(_flows))]
+    _flows[record.identifier] = split, surface.inverse
+    _link(obj, keys)
+
+
+def _link(obj: bpy.types.Object, keys: list[bpy.types.ShapeKey]) -> None:
+    bands = obj.data.shape_keys.spectral_tv.bands
+    bands.clear()
+    for key in keys:
+        band = bands.add()
+        band.key = key.name
+        band.digest = digest(coordinates(key.data))
+
+
+def _write_edges(obj: bpy.types.Object, edges: np.ndarray) -> None:
+    for band, start, end in zip(
+        obj.data.shape_keys.spectral_tv.bands, edges[:-1], edges[1:], strict=True
+    ):
+        band.start, band.end = start, end

@@ -1,0 +1,46 @@
+"""The one job that may run: work in a native thread, on copies, that never touches Blender."""
+
+from dataclasses import dataclass
+
+import bpy
+import spectral_tv
+
+from .records import coordinates, digest, topology_digest
+
+
+@dataclass(frozen=True)
+class Running:
+    """A decomposition under way, and what its object looked like when it was started."""
+
+    job: spectral_tv.Job
+    object_name: str
+    state: str
+
+
+_running: Running | None = None
+
+
+def start(job: spectral_tv.Job, obj: bpy.types.Object) -> None:
+    """Take a job over; it is cancelled when Blender loads a file or disables the extension."""
+    global _running  # noqa: PLW0603
+    _running = Running(job, obj.name, state_of(obj))
+
+
+def running() -> Running | None:
+    """The job under way, if any."""
+    return _running
+
+
+def finish() -> None:
+    """Let go of the job; cancels it if it still runs, without waiting."""
+    global _running  # noqa: PLW0603
+    if _running is not None:
+        _running.job.cancel()
+    _running = None
+
+
+def state_of(obj: bpy.types.Object) -> str:
+    """Digest of all that a decomposition depends on."""
+    mesh = obj.data
+    basis = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.reference_key.data
+    return topology_digest(mesh) + digest(coordinates(basis))

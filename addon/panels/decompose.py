@@ -1,0 +1,101 @@
+"""The panel that splits the active mesh, with its sub-panels."""
+
+import bpy
+
+from .. import jobs
+from ..objects import refusal
+from ..operators.decompose import SPECTRAL_TV_OT_cancel, SPECTRAL_TV_OT_decompose
+from ._sidebar import Sidebar
+
+
+class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
+    """Choose a method and decompose"""
+
+    bl_label = "Decompose"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.spectral_tv
+        column = layout.column()
+        column.active = jobs.running() is None
+        column.prop(settings, "method")
+        column.prop(settings, "bands")
+        column.prop(settings, "steps")
+        obj = context.active_object
+        if obj is not None and obj.type == "MESH":
+            column.prop_search(settings, "vertex_group", obj, "vertex_groups", text="Limit to")
+        if jobs.running() is not None:
+            self._draw_progress(layout, context.window_manager.spectral_tv)
+            return
+        reason = refusal(obj)
+        if reason is not None:
+            layout.label(text=reason, icon="INFO")
+        elif obj.data.users > 1:
+            layout.label(text=f"{obj.data.users} objects share this mesh", icon="INFO")
+        row = layout.row()
+        row.scale_y = 1.4
+        operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")
+        settings.copy_to(operator)
+
+    @staticmethod
+    def _draw_progress(layout: bpy.types.UILayout, state: bpy.types.PropertyGroup) -> None:
+        row = layout.row(align=True)
+        row.scale_y = 1.4
+        row.progress(text=f"{state.message} ({state.progress:.0%})", factor=state.progress)
+        row.operator(SPECTRAL_TV_OT_cancel.bl_idname, text="", icon="CANCEL")
+
+
+class SPECTRAL_TV_PT_scales(Sidebar, bpy.types.Panel):
+    """The range of sizes"""
+
+    bl_label = "Scales"
+    bl_parent_id = "SPECTRAL_TV_PT_decompose"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        self.layout.prop(context.scene.spectral_tv, "use_scales", text="")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.spectral_tv
+        layout.active = settings.use_scales
+        layout.prop(settings, "finest")
+        layout.prop(settings, "largest")
+
+
+class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
+    """The base of the edge-keeping method"""
+
+    bl_label = "Base"
+    bl_parent_id = "SPECTRAL_TV_PT_decompose"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene.spectral_tv.method == "M3"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.spectral_tv
+        layout.prop(settings, "base", text="Shape")
+        obj = context.active_object
+        if settings.base == "FLOW":
+            row = layout.row(heading="Smoothing")
+            row.prop(settings, "use_base_amount", text="")
+            field = row.row()
+            field.active = settings.use_base_amount
+            field.prop(settings, "base_amount", text="")
+        elif settings.base == "KEY" and obj is not None and obj.type == "MESH":
+            if obj.data.shape_keys is None:
+                layout.label(text="The mesh has no shape keys", icon="INFO")
+            else:
+                layout.prop_search(settings, "base_key", obj.data.shape_keys, "key_blocks")
+
+
+CLASSES = (SPECTRAL_TV_PT_decompose, SPECTRAL_TV_PT_scales, SPECTRAL_TV_PT_base)

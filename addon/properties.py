@@ -1,0 +1,150 @@
+"""The properties of a decomposition, shared by the sidebar and the operator."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .settings import BASES, METHODS, Settings
+
+
+class DecompositionProperties:
+    """What the user chooses; sizes are percentages of the object's size (√ of its area)."""
+
+    method: EnumProperty(
+        name="Method", description="What the bands split off", items=METHODS, default="M1"
+    )
+    bands: IntProperty(
+        name="Bands",
+        description="Number of bands, from the finest detail to the largest",
+        default=5,
+        min=1,
+        max=32,
+    )
+    steps: IntProperty(
+        name="Steps",
+        description="Number of time steps of the flow. More steps separate scales more sharply "
+        "and take longer",
+        default=32,
+        min=2,
+        soft_max=128,
+        max=1000,
+    )
+    use_scales: BoolProperty(
+        name="Custom Scales", description="Choose the range of sizes that the bands cover"
+    )
+    finest: FloatProperty(
+        name="Finest",
+        description="Size of the finest detail to tell apart, relative to the object's size",
+        subtype="PERCENTAGE",
+        default=0.3,
+        min=0.01,
+        max=50,
+        precision=2,
+    )
+    largest: FloatProperty(
+        name="Largest",
+        description="Size of the largest features that bands hold, relative to the object's "
+        "size. What is larger stays in the low-pass",
+        subtype="PERCENTAGE",
+        default=5.5,
+        min=0.02,
+        max=100,
+        precision=2,
+    )
+    base: EnumProperty(
+        name="Base",
+        description="The smooth shape from which detail is measured",
+        items=BASES,
+        default="FLOW",
+    )
+    use_base_amount: BoolProperty(
+        name="Custom Amount", description="Choose how much the base is smoothed"
+    )
+    base_amount: FloatProperty(
+        name="Smoothing",
+        description="Size of the features that vanish from the base, relative to the object's size",
+        subtype="PERCENTAGE",
+        default=7,
+        min=0.1,
+        max=50,
+        precision=1,
+    )
+    base_key: StringProperty(name="Shape Key", description="The shape key that is the base")
+    vertex_group: StringProperty(
+        name="Vertex Group", description="Limits where the bands have an effect"
+    )
+
+    def settings(self) -> Settings:
+        """The properties as they are."""
+        return Settings(
+            method=self.method,
+            bands=self.bands,
+            steps=self.steps,
+            finest=self.finest / 100 if self.use_scales else 0.0,
+            largest=self.largest / 100 if self.use_scales else 0.0,
+            base=self.base,
+            base_amount=self.base_amount / 100 if self.use_base_amount else 0.0,
+            base_key=self.base_key,
+            vertex_group=self.vertex_group,
+        )
+
+    def copy_to(self, other: bpy.types.OperatorProperties) -> None:
+        """Set the same properties of ``other``."""
+        for name in DecompositionProperties.__annotations__:
+            setattr(other, name, getattr(self, name))
+
+
+class SpectralTVScene(DecompositionProperties, bpy.types.PropertyGroup):
+    """The choices in the sidebar, kept with the scene."""
+
+
+class SpectralTVFilter(bpy.types.PropertyGroup):
+    """Which bands the common filters are about."""
+
+    first: IntProperty(
+        name="From", description="First of the chosen bands; 1 is the finest", default=1, min=1
+    )
+    last: IntProperty(
+        name="To", description="Last of the chosen bands; 1 is the finest", default=2, min=1
+    )
+    amount: FloatProperty(
+        name="Exaggerate by",
+        description="How much is added to the chosen bands: 1 doubles them",
+        default=1,
+        soft_min=-1,
+        soft_max=4,
+    )
+
+
+class SpectralTVWindowManager(bpy.types.PropertyGroup):
+    """What the running job shows."""
+
+    progress: FloatProperty(name="Progress", min=0, max=1, subtype="FACTOR")
+    message: StringProperty(name="Message")
+
+
+CLASSES = (SpectralTVScene, SpectralTVFilter, SpectralTVWindowManager)
+
+
+def register() -> None:
+    """Register the properties on scenes and the window manager."""
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.spectral_tv = PointerProperty(type=SpectralTVScene)
+    bpy.types.Scene.spectral_tv_filter = PointerProperty(type=SpectralTVFilter)
+    bpy.types.WindowManager.spectral_tv = PointerProperty(type=SpectralTVWindowManager)
+
+
+def unregister() -> None:
+    """Unregister them; files keep what they hold."""
+    del bpy.types.WindowManager.spectral_tv
+    del bpy.types.Scene.spectral_tv_filter
+    del bpy.types.Scene.spectral_tv
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
