@@ -6,40 +6,42 @@ import numpy as np
 
 from .records import SpectralTVRecord
 
-WIDTH, HEIGHT = 256, 96
-GROUNDS = ((0.16, 0.16, 0.16, 1.0), (0.21, 0.21, 0.21, 1.0))
-LINE = (0.28, 0.45, 0.70, 1.0)
+# Icons are square, so a wide picture is a row of them.
+TILES = 3
+SIDE = 96
+GROUNDS = ((0.16, 0.16, 0.16, 1.0), (0.22, 0.22, 0.22, 1.0))
+BARS = (0.28, 0.45, 0.70, 1.0)
 
 _previews: bpy.utils.previews.ImagePreviewCollection | None = None
 
 
-def icon(record: SpectralTVRecord) -> int:
-    """Icon of the picture, for UILayout.template_icon; drawn once per cut."""
-    name = f"{record.identifier} {len(record.bands)}"
-    if name not in _previews:
+def icons(record: SpectralTVRecord) -> list[int]:
+    """Icons of the picture from left to right, for UILayout.template_icon; drawn once per cut."""
+    names = [f"{record.identifier} {len(record.bands)} {tile}" for tile in range(TILES)]
+    if names[0] not in _previews:
         _previews.clear()
-        preview = _previews.new(name)
-        preview.image_size = (WIDTH, WIDTH)
-        preview.image_pixels_float = picture(record).ravel()
-    return _previews[name].icon_id
+        for name, tile in zip(names, np.split(picture(record), TILES, axis=1), strict=True):
+            preview = _previews.new(name)
+            preview.image_size = (SIDE, SIDE)
+            preview.image_pixels_float = tile.ravel()
+    return [_previews[name].icon_id for name in names]
 
 
 def picture(record: SpectralTVRecord) -> np.ndarray:
-    """The picture as (WIDTH, WIDTH, 4) RGBA from the bottom up, transparent around the plot.
+    """The picture as (SIDE, TILES * SIDE, 4) RGBA from the bottom up.
 
-    Components are spaced evenly, as the bands hold equal numbers of them.
+    Components are spaced evenly, as the bands hold equal numbers of them; the square root of
+    their strength keeps fine detail visible beside large features.
     """
-    strengths = np.array([sample.strength for sample in record.spectrum])
+    strengths = np.sqrt([sample.strength for sample in record.spectrum])
     times = np.array([sample.time for sample in record.spectrum])
-    columns = np.minimum(np.arange(WIDTH) * len(times) // WIDTH, len(times) - 1)
+    width = TILES * SIDE
+    columns = np.arange(width) * len(times) // width
     starts = np.array([band.start for band in record.bands])
     bands = np.searchsorted(starts, times, side="right") - 1
-    plot = np.array(GROUNDS)[bands[columns] % 2][None].repeat(HEIGHT, axis=0)
-    heights = strengths[columns] / max(strengths.max(), np.finfo(float).tiny) * (HEIGHT - 6)
-    plot[np.arange(HEIGHT)[:, None] < heights] = LINE
-    image = np.zeros((WIDTH, WIDTH, 4), dtype=np.float32)
-    bottom = (WIDTH - HEIGHT) // 2
-    image[bottom : bottom + HEIGHT] = plot
+    image = np.array(GROUNDS, dtype=np.float32)[bands[columns] % 2][None].repeat(SIDE, axis=0)
+    heights = strengths[columns] / max(strengths.max(), np.finfo(float).tiny) * 0.94 * SIDE
+    image[np.arange(SIDE)[:, None] < heights] = BARS
     return image
 
 

@@ -36,7 +36,10 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             column.label(text="The mesh has changed since.", icon="ERROR")
             column.label(text="Decompose it again.", icon="BLANK1")
             return
-        layout.template_icon(spectrum.icon(record), scale=10)
+        row = layout.row(align=True)
+        row.alignment = "CENTER"
+        for icon in spectrum.icons(record):
+            row.template_icon(icon, scale=3.6)
         column = layout.column(align=True)
         for number, key in enumerate(band_keys(obj), start=1):
             row = column.row(align=True)

@@ -1,0 +1,247 @@
+"""What the sidebar does with bands, by its operators."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+
+def values(obj) -> list[float]:
+    blocks = obj.data.shape_keys.key_blocks
+    return [key.value for key in blocks if "Band" in key.name]
+
+
+def shape(key) -> np.ndarray:
+    flat = np.empty(3 * len(key.data), dtype=np.float32)
+    key.data.foreach_get("co", flat)
+    return flat
+
+
+def activate(obj) -> None:
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+
+
+@pytest.fixture
+def banded(monkey):
+    bpy.ops.spectral_tv.decompose(bands=4, steps=12)
+    return monkey
+
+
+@pytest.mark.parametrize(
+    ("preset", "expected"),
+    [
+        ("LOW_PASS", [-1, 0, 0, 0]),
+        ("HIGH_PASS", [0, 0, 0, -1]),
+        ("BAND_PASS", [-1, 0, 0, -1]),
+        ("BAND_STOP", [0, -1, -1, 0]),
+        ("EXAGGERATE", [0, 1.5, 1.5, 0]),
+        ("RESET", [0, 0, 0, 0]),
+    ],
+)
+def test_presets(banded, preset, expected):
+    banded.data.shape_keys.key_blocks["M1 Band 1"].value = 0.3
+    bpy.ops.spectral_tv.filter(preset=preset, first=2, last=3, amount=1.5)
+    assert values(banded) == expected
+    bpy.ops.spectral_tv.filter(preset=preset, first=3, last=2, amount=1.5)
+    assert values(banded) == expected
+
+
+def test_filter_leaves_other_keys_alone(banded):
+    smile = banded.shape_key_add(name="Smile", from_mix=False)
+    smile.value = 0.5
+    bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=9)
+    assert smile.value == pytest.approx(0.5)
+    assert values(banded) == [-1, -1, -1, -1]
+
+
+def test_curve_sets_bands_from_finest_to_largest(banded):
+    bpy.ops.spectral_tv.add_curve()
+    bpy.ops.spectral_tv.apply_curve()
+    np.testing.assert_allclose(values(banded), 0, atol=1e-6)
+    mapping = bpy.data.node_groups[".Spectral TV Filter"].nodes["Filter"].mapping
+    points = mapping.curves[0].points
+    points[0].location.y, points[1].location.y = 3.0, -1.0
+    for point in points:
+        point.handle_type = "VECTOR"
+    mapping.update()
+    bpy.ops.spectral_tv.apply_curve()
+    np.testing.assert_allclose(values(banded), 3 - 4 * np.array([1, 3, 5, 7]) / 8 - 1, atol=1e-3)
+
+
+def test_solo_mutes_the_others_and_gives_them_back(banded):
+    keys = banded.data.shape_keys.key_blocks[1:]
+    bpy.ops.spectral_tv.solo(band=2)
+    assert [key.mute for key in keys] == [True, False, True, True]
+    bpy.ops.spectral_tv.solo(band=2)
+    assert not any(key.mute for key in keys)
+
+
+def test_keyframes_every_band(banded):
+    for frame, value in ((1, 0.0), (20, 2.0)):
+        bpy.context.scene.frame_set(frame)
+        bpy.ops.spectral_tv.filter(preset="EXAGGERATE", first=1, last=4, amount=value)
+        bpy.ops.spectral_tv.keyframe()
+    bpy.context.scene.frame_set(20)
+    np.testing.assert_allclose(values(banded), 2)
+    bpy.context.scene.frame_set(1)
+    np.testing.assert_allclose(values(banded), 0)
+
+
+def test_bake_keeps_the_mix_as_a_key(banded):
+    bpy.ops.spectral_tv.filter(preset="EXAGGERATE", first=2, last=3, amount=1)
+    keys = banded.data.shape_keys.key_blocks
+    basis, second, third = (shape(keys[i]) for i in (0, 2, 3))
+    bpy.ops.spectral_tv.bake()
+    baked = keys["Filtered"]
+    assert baked.value == 0
+    np.testing.assert_allclose(shape(baked), second + third - basis, atol=1e-6)
+
+
+def test_copies_the_filter_to_other_poses(banded):
+    other = banded.copy()
+    other.data = banded.data.copy()
+    plain = bpy.data.objects.new("Plain", bpy.data.meshes.new("Plain"))
+    for obj in (other, plain):
+        bpy.context.collection.objects.link(obj)
+        obj.select_set(True)
+    bpy.ops.spectral_tv.filter(preset="BAND_PASS", first=2, last=2)
+    assert values(other) == [0, 0, 0, 0]
+    assert bpy.ops.spectral_tv.copy_filter() == {"FINISHED"}
+    assert values(other) == [-1, 0, -1, -1]
+
+
+def test_cutting_again_uses_the_same_flow(banded):
+    keys = banded.data.shape_keys.key_blocks
+    total = sum(shape(key) - shape(keys[0]) for key in list(keys)[1:])
+    extra = banded.shape_key_add(name="Smile", from_mix=False)
+    bpy.ops.spectral_tv.cut(bands=6)
+    assert [key.name for key in keys] == [
+        "Basis",
+        extra.name,
+        *(f"M1 Band {i}" for i in range(1, 7)),
+    ]
+    again = sum(shape(key) - shape(keys[0]) for key in list(keys)[2:])
+    np.testing.assert_allclose(again, total, atol=1e-5)
+    bpy.ops.spectral_tv.filter(preset="RESET")
+    with pytest.raises(RuntimeError, match="number of bands"):
+        bpy.ops.spectral_tv.cut(bands=12)
+
+
+def test_bands_survive_renaming_and_reordering(banded):
+    keys = banded.data.shape_keys.key_blocks
+    keys["M1 Band 2"].name = "Wrinkles"
+    keys["M1 Band 3"].name = "M1 Band 9"
+    bpy.ops.spectral_tv.filter(preset="BAND_PASS", first=2, last=2)
+    named = {key.name: key.value for key in keys}
+    assert named["Wrinkles"] == 0
+    assert named["M1 Band 1"] == named["M1 Band 9"] == named["M1 Band 4"] == -1
+
+
+def test_bands_survive_duplication_and_files(banded, tmp_path: Path):
+    banded.data.shape_keys.key_blocks["M1 Band 1"].name = "Fine"
+    twin = banded.copy()
+    twin.data = banded.data.copy()
+    bpy.context.collection.objects.link(twin)
+    activate(twin)
+    bpy.ops.spectral_tv.filter(preset="LOW_PASS", first=2, last=2)
+    assert twin.data.shape_keys.key_blocks["Fine"].value == -1
+    assert banded.data.shape_keys.key_blocks["Fine"].value == 0
+
+    path = tmp_path / "bands.blend"
+    bpy.data.libraries.write(str(path), {twin})
+    name = twin.name
+    bpy.data.batch_remove([twin, banded])
+    with bpy.data.libraries.load(str(path)) as (_, target):
+        target.objects = [name]
+    loaded = target.objects[0]
+    bpy.context.collection.objects.link(loaded)
+    activate(loaded)
+    bpy.ops.spectral_tv.filter(preset="RESET")
+    assert loaded.data.shape_keys.key_blocks["Fine"].value == 0
+    assert [sample.strength > 0 for sample in loaded.data.shape_keys.spectral_tv.spectrum]
+
+
+def test_a_deleted_band_is_left_out(banded):
+    banded.shape_key_remove(banded.data.shape_keys.key_blocks["M1 Band 3"])
+    bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
+    assert values(banded) == [-1, -1, -1]
+
+
+def test_a_changed_mesh_is_refused(banded):
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for operator in (bpy.ops.spectral_tv.filter, bpy.ops.spectral_tv.cut):
+        with pytest.raises(RuntimeError, match="decompose the mesh again"):
+            operator()
+    bpy.ops.spectral_tv.decompose(bands=2, steps=6)
+    bpy.ops.spectral_tv.filter(preset="RESET")
+
+
+def test_no_bands_is_a_message(monkey):
+    with pytest.raises(RuntimeError, match="no bands; decompose it first"):
+        bpy.ops.spectral_tv.filter()
+
+
+def test_vertex_group_limits_the_bands(monkey):
+    monkey.vertex_groups.new(name="Face").add(range(50), 1.0, "REPLACE")
+    bpy.ops.spectral_tv.decompose(bands=2, steps=8, vertex_group="Face")
+    keys = monkey.data.shape_keys.key_blocks[1:]
+    assert all(key.vertex_group == "Face" for key in keys)
+    bpy.ops.spectral_tv.cut(bands=3)
+    assert all(key.vertex_group == "Face" for key in monkey.data.shape_keys.key_blocks[1:])
+    with pytest.raises(RuntimeError, match="no vertex group 'Feet'"):
+        bpy.ops.spectral_tv.decompose(vertex_group="Feet")
+
+
+def test_scales_are_relative_to_the_size(monkey):
+    record = []
+    for scale in (1.0, 10.0):
+        monkey.scale = (scale,) * 3
+        bpy.context.view_layer.update()
+        bpy.ops.spectral_tv.decompose(bands=2, steps=6, use_scales=True, finest=1, largest=10)
+        kept = monkey.data.shape_keys.spectral_tv
+        record.append((kept.bands[1].end / kept.area, kept.area))
+    assert record[0][0] == pytest.approx(record[1][0], rel=1e-4) == pytest.approx(0.01, rel=1e-4)
+    assert record[1][1] == pytest.approx(100 * record[0][1], rel=1e-4)
+    with pytest.raises(RuntimeError, match="finest scale"):
+        bpy.ops.spectral_tv.decompose(use_scales=True, finest=10, largest=5)
+
+
+def test_bases_of_m3():
+    """A relief over its flattened self moves along Z alone; a shape key serves as well."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=40, y_subdivisions=40)
+    obj = bpy.context.object
+    for vertex in obj.data.vertices:
+        vertex.co.z = 0.2 * np.sin(6 * vertex.co.x) * np.cos(5 * vertex.co.y)
+    bpy.ops.spectral_tv.decompose(method="M3", bands=3, steps=8, base="FLAT")
+    keys = obj.data.shape_keys.key_blocks
+    moves = (shape(keys["M3 Band 3"]) - shape(keys["Basis"])).reshape(-1, 3)
+    assert np.abs(moves[:, :2]).max() < 1e-6 < np.abs(moves[:, 2]).max()
+
+    flat = obj.shape_key_add(name="Flat", from_mix=False)
+    for point in flat.data:
+        point.co.z = -0.2
+    bpy.ops.spectral_tv.decompose(method="M3", bands=3, steps=8, base="KEY", base_key="Flat")
+    again = (shape(keys["M3 Band 3.001"]) - shape(keys["Basis"])).reshape(-1, 3)
+    np.testing.assert_allclose(again, moves, atol=1e-4)
+    with pytest.raises(RuntimeError, match="no shape key 'Nothing'"):
+        bpy.ops.spectral_tv.decompose(method="M3", base="KEY", base_key="Nothing")
+
+
+def test_everything_in_the_interface_has_a_tooltip():
+    for name in dir(bpy.ops.spectral_tv):
+        rna = getattr(bpy.ops.spectral_tv, name).get_rna_type()
+        assert len(rna.description) > 10, name
+        for prop in rna.properties:
+            if prop.identifier != "rna_type":
+                assert prop.description or prop.identifier in ("method", "preset", "bands"), (
+                    f"{name}.{prop.identifier}"
+                )
