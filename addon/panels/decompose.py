@@ -33,7 +33,7 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
         if reason is not None:
             layout.label(text=reason, icon="INFO")
         elif obj.data.users > 1:
-            layout.label(text=f"{obj.data.users} objects share this mesh", icon="INFO")
+            layout.label(text=f"All {obj.data.users} users of this mesh change", icon="INFO")
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")

@@ -106,29 +106,33 @@ impl<'a> ProximalNewton<'a> {
         let operators = self.operators;
         let gradient = operators.gradient();
         let dual = &self.dual;
-        let is_scalar = dual.len() == 1;
-        let stiffness = |face: usize| {
-            let weight = slope.weights[face];
-            let scale = step.tau * gradient.face_areas()[face] * weight;
+        let scale = |face: usize| step.tau * gradient.face_areas()[face] * slope.weights[face];
+        let reweighted = |face: usize| element_stiffness(&gradient.hats()[face], scale(face));
+        // H acts within the one channel of a scalar, so its matrix can be factorized itself.
+        let newton = |face: usize| {
             let hats = &gradient.hats()[face];
-            let mut edges = element_stiffness(hats, scale);
-            if is_scalar {
-                // H acts within the one channel, so the matrix holds it exactly.
-                let (z, g) = (dual[0][face], slope.gradients[0][face]);
-                let along = |v: FaceVector| hats.map(|hat| hat[0] * v[0] + hat[1] * v[1]);
-                let (z, g) = (along(z), along(g));
-                let half = 0.5 * scale * weight;
-                for (edge, (p, q)) in edges.iter_mut().zip([(1, 2), (2, 0), (0, 1)]) {
-                    *edge -= half * (z[p] * g[q] + g[p] * z[q]);
-                }
+            let along = |v: FaceVector| hats.map(|hat| hat[0] * v[0] + hat[1] * v[1]);
+            let (z, g) = (along(dual[0][face]), along(slope.gradients[0][face]));
+            let half = 0.5 * scale(face) * slope.weights[face];
+            let mut edges = reweighted(face);
+            for (edge, (p, q)) in edges.iter_mut().zip([(1, 2), (2, 0), (0, 1)]) {
+                *edge -= half * (z[p] * g[q] + g[p] * z[q]);
             }
             edges
         };
-        operators
-            .pattern()
-            .assemble(gradient, operators.masses(), stiffness, &mut self.system);
-        self.cholesky.factorize(&self.system)?;
+        let (pattern, masses) = (operators.pattern(), operators.masses());
         let mut direction = descent.clone();
+        let is_scalar = dual.len() == 1;
+        if is_scalar {
+            pattern.assemble(gradient, masses, newton, &mut self.system);
+            if self.cholesky.factorize(&self.system).is_ok() {
+                self.cholesky.solve_in_place(&mut direction);
+                return Ok(direction);
+            }
+            // H may be singular but for rounding, on needles. Reweighting always descends.
+        }
+        pattern.assemble(gradient, masses, reweighted, &mut self.system);
+        self.cholesky.factorize(&self.system)?;
         if is_scalar {
             self.cholesky.solve_in_place(&mut direction);
             return Ok(direction);

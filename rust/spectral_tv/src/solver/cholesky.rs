@@ -64,10 +64,32 @@ impl Cholesky {
 
     /// Factorizes the matrix whose lower triangle is `lower`.
     ///
+    /// Rounding can cost a nearly singular matrix its definiteness, as where areas vanish; its
+    /// diagonal is then enlarged by the least of [`ENLARGEMENTS`] that gives it back.
+    ///
     /// # Errors
-    /// [`Error::Solver`] if the matrix is not numerically positive definite.
+    /// [`Error::Solver`] if the matrix is far from positive definite, or not finite.
     pub fn factorize(&mut self, lower: &CsMatI<f64, u32>) -> Result<()> {
-        self.is_factorized = false;
+        self.is_factorized = self.try_factorize(lower);
+        for enlargement in ENLARGEMENTS {
+            if self.is_factorized {
+                break;
+            }
+            let mut enlarged = lower.clone();
+            for (column, mut entries) in enlarged.outer_iterator_mut().enumerate() {
+                if let Some(diagonal) = entries.get_mut(column) {
+                    *diagonal *= 1.0 + enlargement;
+                }
+            }
+            self.is_factorized = self.try_factorize(&enlarged);
+        }
+        match self.is_factorized {
+            true => Ok(()),
+            false => Err(Error::Solver("the matrix is not positive definite".into())),
+        }
+    }
+
+    fn try_factorize(&mut self, lower: &CsMatI<f64, u32>) -> bool {
         self.symbolic
             .factorize_numeric_llt(
                 &mut self.factor,
@@ -78,9 +100,7 @@ impl Cholesky {
                 MemStack::new(&mut self.workspace),
                 Spec::default(),
             )
-            .map_err(|_| Error::Solver("the matrix is not positive definite".into()))?;
-        self.is_factorized = true;
-        Ok(())
+            .is_ok()
     }
 
     /// Replaces each row b of `right_hand_sides` (C, V) by the solution of K x = b.
@@ -106,6 +126,9 @@ impl Cholesky {
     }
 }
 
+/// Relative enlargements of the diagonal to try in turn.
+const ENLARGEMENTS: [f64; 3] = [1e-12, 1e-9, 1e-6];
+
 /// More are solved in blocks of this many.
 const MOST_RIGHT_HAND_SIDES: usize = 4;
 
@@ -117,4 +140,57 @@ fn faer_view<'a>(
     let indices = matrix.indices();
     let pattern = SymbolicSparseColMatRef::new_checked(rows, columns, column_starts, None, indices);
     SparseColMatRef::new(pattern, matrix.data())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::arr2;
+    use sprs::TriMatI;
+
+    fn lower(entries: &[(usize, usize, f64)], size: usize) -> CsMatI<f64, u32> {
+        let mut matrix = TriMatI::new((size, size));
+        for &(row, column, value) in entries {
+            matrix.add_triplet(row, column, value);
+        }
+        matrix.to_csc()
+    }
+
+    #[test]
+    fn solves_several_right_hand_sides() {
+        let matrix = lower(
+            &[
+                (0, 0, 4.0),
+                (1, 0, 1.0),
+                (1, 1, 3.0),
+                (2, 1, -1.0),
+                (2, 2, 2.0),
+            ],
+            3,
+        );
+        let mut cholesky = Cholesky::analyse(&matrix).unwrap();
+        cholesky.factorize(&matrix).unwrap();
+        // K (1, −2, 0.5), five times over, more than are solved at once.
+        let mut solutions =
+            Array2::from_shape_fn((5, 3), |(i, j)| [2.0, -5.5, 3.0][j] * (i + 1) as f64);
+        cholesky.solve_in_place(&mut solutions);
+        for (i, row) in solutions.rows().into_iter().enumerate() {
+            for (value, expected) in row.iter().zip([1.0, -2.0, 0.5]) {
+                assert!((value - expected * (i + 1) as f64).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_is_mended_and_an_indefinite_one_refused() {
+        let singular = lower(&[(0, 0, 1.0), (1, 0, -1.0), (1, 1, 1.0)], 2);
+        let mut cholesky = Cholesky::analyse(&singular).unwrap();
+        cholesky.factorize(&singular).unwrap();
+        let mut solution = arr2(&[[1.0, -1.0]]);
+        cholesky.solve_in_place(&mut solution);
+        assert!((solution[[0, 0]] - solution[[0, 1]] - 1.0).abs() < 1e-6);
+
+        let indefinite = lower(&[(0, 0, 1.0), (1, 0, -2.0), (1, 1, 1.0)], 2);
+        assert!(cholesky.factorize(&indefinite).is_err());
+    }
 }

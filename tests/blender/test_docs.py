@@ -1,0 +1,36 @@
+"""Every Python example of the docs runs as it is."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import bpy
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+EXAMPLES = {
+    f"{page.name}-{number}": source
+    for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+    for number, source in enumerate(BLOCK.findall(page.read_text(encoding="utf-8")), start=1)
+}
+# What an example leaves behind.
+FILES = {
+    "README.md-1": ["monkey.blend"],
+    "scripting.md-1": ["smooth.blend"],
+    "scripting.md-2": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example_runs(name, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    bpy.ops.object.select_all(action="DESELECT")
+    exec(compile(EXAMPLES[name], name, "exec"), {"__name__": "__main__"})
+    for file in FILES.get(name, []):
+        assert (tmp_path / file).stat().st_size > 0
+
+
+def test_every_page_with_files_is_there():
+    assert set(FILES) <= set(EXAMPLES)
