@@ -117,6 +117,33 @@ def test_everything_else_stays(monkey):
     assert [modifier.name for modifier in monkey.modifiers] == ["Bevel"]
 
 
+def test_rigged_meshes_with_custom_normals_keep_both(monkey):
+    mesh = monkey.data
+    bpy.ops.object.armature_add()
+    rig = bpy.context.object
+    bone = rig.data.bones[0].name
+    monkey.vertex_groups.new(name=bone).add(range(len(mesh.vertices)), 1.0, "REPLACE")
+    monkey.modifiers.new("Armature", "ARMATURE").object = rig
+    normals = np.tile([0.6, 0.0, 0.8], (len(mesh.vertices), 1))
+    mesh.normals_split_custom_set_from_vertices(normals.tolist())
+    for material in ("skin", "eyes"):
+        mesh.materials.append(bpy.data.materials.new(material))
+    mesh.polygons[3].material_index = 1
+    rig.pose.bones[bone].location = (0, 0.5, 0)
+    posed = evaluated(monkey)
+
+    bpy.context.view_layer.objects.active = monkey
+    bpy.ops.spectral_tv.decompose(bands=3, steps=8)
+
+    np.testing.assert_allclose(evaluated(monkey), posed, atol=1e-6)
+    assert mesh.has_custom_normals
+    assert mesh.corner_normals[0].vector.x == pytest.approx(0.6, abs=1e-2)
+    assert mesh.polygons[3].material_index == 1
+    mesh.shape_keys.key_blocks["M1 Band 3"].value = 1
+    offsets = evaluated(monkey) - posed
+    np.testing.assert_allclose(offsets, bands(monkey)[2], atol=1e-5)
+
+
 def test_bands_are_of_the_basis_whatever_the_other_keys_do(monkey):
     bpy.ops.spectral_tv.decompose(bands=2, steps=8)
     first = bands(monkey)
