@@ -1,6 +1,7 @@
 """A decomposition as the bands of an object: shape keys, and the record that links them."""
 
 import uuid
+from typing import Any
 
 import bpy
 import numpy as np
@@ -34,6 +35,19 @@ def base_shape(obj: bpy.types.Object, settings: Settings, surface: Surface) -> n
             raise Refusal(f"there is no shape key {settings.base_key!r} to be the base")
         shape = coordinates(keys.key_blocks[settings.base_key].data).reshape(-1, 3).astype(float)
     return surface.to_world(shape)
+
+
+def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[str, Any]]:
+    """The surface of an object, and the keyword arguments of spectral_tv.decompose.
+
+    Raises Refusal or spectral_tv.MeshError if the object and the settings do not go together.
+    """
+    if settings.bands >= settings.steps:
+        raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
+    if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
+        raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
+    surface = Surface.read(obj)
+    return surface, settings.arguments(surface.mesh, base_shape(obj, settings, surface))
 
 
 def add_bands(
@@ -79,6 +93,13 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
     _link(obj, keys)
     _write_edges(obj, edges)
     return [key.name for key in keys]
+
+
+def set_values(obj: bpy.types.Object, values: list[float]) -> None:
+    """Set the values of the bands, leaving out those whose key was deleted."""
+    for key, value in zip(band_keys(obj), values, strict=True):
+        if key is not None:
+            key.value = min(max(value, key.slider_min), key.slider_max)
 
 
 def has_flow(identifier: str) -> bool:

@@ -6,7 +6,7 @@ import bpy
 import spectral_tv
 
 from .. import jobs
-from ..bands import add_bands, base_shape
+from ..bands import add_bands, prepare
 from ..objects import Refusal, refusal
 from ..properties import DecompositionProperties
 from ..surface import Surface
@@ -37,7 +37,7 @@ class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
         self._started = time.perf_counter()
         obj = context.active_object
         try:
-            surface, arguments = self._prepare(obj)
+            surface, arguments = prepare(obj, self.settings())
             with cursor_progress(context) as progress:
                 split = spectral_tv.decompose(surface.mesh, **arguments, progress=progress)
         except (spectral_tv.MeshError, Refusal) as error:
@@ -52,7 +52,7 @@ class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
         self._started = time.perf_counter()
         obj = context.active_object
         try:
-            self._surface, arguments = self._prepare(obj)
+            self._surface, arguments = prepare(obj, self.settings())
             jobs.start(spectral_tv.start_decompose(self._surface.mesh, **arguments), obj)
         except (spectral_tv.MeshError, Refusal) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
@@ -90,15 +90,6 @@ class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
         redraw_sidebars(context)
 
     _timer = None
-
-    def _prepare(self, obj: bpy.types.Object) -> tuple[Surface, dict]:
-        settings = self.settings()
-        if settings.bands >= settings.steps:
-            raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
-        if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
-            raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
-        surface = Surface.read(obj)
-        return surface, settings.arguments(surface.mesh, base_shape(obj, settings, surface))
 
     def _collect(self, context: bpy.types.Context, running: jobs.Running) -> set[str]:
         """Write the result of a finished job, if its object is still what it was."""

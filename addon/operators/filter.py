@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from .. import filter_curve
-from ..bands import cut_again, has_flow
+from ..bands import cut_again, has_flow, set_values
 from ..gains import PRESETS, curve_values, preset_values
 from ..objects import Refusal, refusal
 from ..records import band_keys, record_of, topology_changed
@@ -31,13 +31,6 @@ class BandsOperator:
         if reason is not None:
             cls.poll_message_set(reason)
         return reason is None
-
-
-def set_values(obj: bpy.types.Object, values: list[float]) -> None:
-    """Set the values of the bands, leaving out those whose key was deleted."""
-    for key, value in zip(band_keys(obj), values, strict=True):
-        if key is not None:
-            key.value = min(max(value, key.slider_min), key.slider_max)
 
 
 class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):

@@ -1,36 +1,107 @@
-"""The extension installed from its built zip into pip's bpy, apart from the user's own files."""
+"""The installed extension: in Blender the one it was started with, in pip's bpy the built zip."""
 
 from __future__ import annotations
 
 import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-_RESOURCES = tempfile.TemporaryDirectory(prefix="spectral_tv_tests_")
-os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES.name
-
-import bpy  # noqa: E402  (reads the variable above)
-
 ROOT = Path(__file__).resolve().parents[2]
 MODULE = "bl_ext.user_default.spectral_tv"
+OLDEST = (4, 2)
+IN_BLENDER = "bpy" in sys.modules
+
+if not IN_BLENDER:  # the module reads the variable on import; the user's own files stay apart
+    _RESOURCES = tempfile.TemporaryDirectory(prefix="spectral_tv_tests_")
+    os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES.name
+
+import bpy  # noqa: E402
 
 
-@pytest.fixture(scope="session")
-def extension_zip() -> Path:
+def built_zip() -> Path:
     zips = sorted((ROOT / "dist").glob("spectral_tv-*.zip"))
     assert zips, "dist/ holds no extension; run: make extension"
     return zips[-1]
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _installed(extension_zip):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.extensions.package_install_files(
-        filepath=str(extension_zip), repo="user_default", enable_on_install=True
-    )
+def install() -> None:
+    """Have the extension enabled, and with it the package ``spectral_tv`` for the tests."""
+    if not IN_BLENDER:
+        bpy.ops.wm.read_factory_settings()
+        bpy.ops.extensions.package_install_files(
+            filepath=str(built_zip()), repo="user_default", enable_on_install=True
+        )
     assert MODULE in bpy.context.preferences.addons
+    installed = Path(bpy.utils.user_resource("EXTENSIONS"))
+    assert Path(sys.modules[MODULE].__file__).is_relative_to(installed)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.context.scene.cycles.use_denoising = False  # Debian's Blender lacks the denoiser
+
+
+# Blender takes it for the working directory, even after os.chdir.
+os.environ.pop("PWD", None)
+install()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "executable: starts a real Blender executable")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if "blender" in getattr(item, "fixturenames", ()):
+            item.add_marker("executable")
+
+
+def blender_command() -> list[str]:
+    """The executable that BLENDER names or that is on PATH, if it is new enough."""
+    named = os.environ.get("BLENDER")
+    command = shlex.split(named) if named else [path for path in [shutil.which("blender")] if path]
+    if not command:
+        pytest.skip("no Blender: BLENDER is not set and blender is not on PATH")
+    output = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+    version = re.search(r"Blender (\d+)\.(\d+)", output.stdout)
+    assert version, output.stdout
+    if tuple(map(int, version.groups())) < OLDEST:
+        refuse = pytest.fail if named else pytest.skip
+        refuse(f"Blender {version[1]}.{version[2]} is older than 4.2")
+    return command
+
+
+@pytest.fixture(scope="session")
+def blender(tmp_path_factory) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Runs a Blender into which its own command line has installed the extension."""
+    command = blender_command()
+    resources = str(tmp_path_factory.mktemp("resources"))
+
+    def run(*arguments: str, check: bool = True) -> subprocess.CompletedProcess[str]:
+        done = subprocess.run(
+            [*command, *arguments],
+            env={**os.environ, "BLENDER_USER_RESOURCES": resources},
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=600,
+        )
+        assert done.returncode == 0 or not check, done.stdout + done.stderr
+        return done
+
+    options = ["-r", "user_default", "--enable", str(built_zip())]
+    run("--command", "extension", "install-file", *options)
+    return run
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _disabled_in_the_end():
     yield
     bpy.ops.preferences.addon_disable(module=MODULE)
 

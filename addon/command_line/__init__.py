@@ -1,0 +1,46 @@
+"""The command line: ``blender --command spectral_tv decompose INPUT -o OUTPUT``."""
+
+import argparse
+import signal
+
+import bpy
+
+from . import decompose
+
+NAME = "spectral_tv"
+INTERRUPTED = 130
+
+
+def run(arguments: list[str]) -> int:
+    """Do what the command line says and return the exit code: 0 only if all succeeded."""
+    # Blender's own handler would wait for the end.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    parser = argparse.ArgumentParser(
+        prog=f"blender --command {NAME}",
+        description="Split meshes into bands of detail, filter them, and write or picture them.",
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    decompose.add_parser(commands)
+    try:
+        choices = parser.parse_args(arguments)
+        return choices.run(choices)
+    except SystemExit as end:  # it would close Blender, and the code would be lost
+        return end.code if isinstance(end.code, int) else 1
+    except KeyboardInterrupt:
+        return INTERRUPTED
+
+
+_handle = None
+
+
+def register() -> None:
+    """Make the command known to Blender."""
+    global _handle  # noqa: PLW0603
+    _handle = bpy.utils.register_cli_command(NAME, run)
+
+
+def unregister() -> None:
+    """Withdraw the command."""
+    global _handle  # noqa: PLW0603
+    bpy.utils.unregister_cli_command(_handle)
+    _handle = None

@@ -1,0 +1,108 @@
+"""The command line: failures, wrong arguments, exit codes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import pytest
+from command_line_files import (
+    QUICK,
+    empty,
+    run,
+    write_monkey,
+)
+
+
+@pytest.fixture(autouse=True)
+def _leave_an_empty_file():
+    yield
+    empty()
+
+
+def test_several_inputs_go_on_after_a_failure(tmp_path: Path, capfd):
+    good, other = (write_monkey(tmp_path / name) for name in ("good.ply", "other.stl"))
+    broken, missing, strange = (tmp_path / n for n in ("broken.ply", "missing.obj", "notes.txt"))
+    points = write_monkey(tmp_path / "points.ply")
+    points.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n0 0 0\n"
+    )
+    broken.write_text("rubbish")
+    strange.write_text("rubbish")
+    folder = tmp_path / "out"
+    folder.mkdir()
+    inputs = [str(path) for path in (broken, good, missing, points, strange, other)]
+    assert run(["decompose", *inputs, "-o", str(folder), *QUICK]) == 1
+    assert sorted(path.name for path in folder.iterdir()) == ["good.ply", "other.stl"]
+    errors = capfd.readouterr().err.splitlines()
+    for path, reason in (
+        (broken, "Invalid PLY header"),
+        (missing, "no such file"),
+        (points, "no mesh with faces"),
+        (strange, "reads no .txt"),
+    ):
+        assert [line for line in errors if line.startswith(f"{path}: error: ") and reason in line]
+    assert f"{good}: wrote {folder / 'good.ply'}" in errors
+    assert errors[-1] == "2 of 6 inputs succeeded"
+
+
+def test_several_inputs_in_one_format(tmp_path: Path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    inputs = [str(write_monkey(tmp_path / name)) for name in ("a.ply", "b.stl")]
+    assert run(["decompose", *inputs, "-o", str(folder), "--format", "blend", *QUICK]) == 0
+    assert sorted(path.name for path in folder.iterdir()) == ["a.blend", "b.blend"]
+
+
+def test_what_cannot_be_decomposed_names_object_and_reason(monkey, tmp_path: Path, capfd):
+    monkey.scale.z = 0
+    path = tmp_path / "flat.blend"
+    bpy.data.libraries.write(str(path), {bpy.context.scene})
+    target = tmp_path / "out.blend"
+    assert run(["decompose", str(path), "-o", str(target)]) == 1
+    assert f"{path}: error: Suzanne: its scale is zero along an axis" in capfd.readouterr().err
+    assert not target.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "required: COMMAND"),
+        (["compose"], "invalid choice"),
+        (["decompose"], "required: INPUT"),
+        (["decompose", "IN"], "-o, --render or both"),
+        (["decompose", "IN", "-o", "x.ply", "--method", "m9"], "invalid choice"),
+        (["decompose", "IN", "-o", "x.ply", "--bands", "0"], "not a number from 1 to 32"),
+        (["decompose", "IN", "-o", "x.ply", "--bands", "9", "--steps", "9"], "need more than 9"),
+        (["decompose", "IN", "-o", "x.ply", "--gain", "6=1"], "no band 6 among 5"),
+        (["decompose", "IN", "-o", "x.ply", "--gain", "0=1"], "is not BAND=GAIN"),
+        (["decompose", "IN", "-o", "x.ply", "--gain", "1=nan"], "not a number from -9 to 11"),
+        (["decompose", "IN", "-o", "x.ply", "--curve", "0:1,0:2"], "have to increase"),
+        (["decompose", "IN", "-o", "x.ply", "--finest", "9", "--largest", "5"], "--largest"),
+        (["decompose", "IN", "-o", "x.doc"], "writes no .doc"),
+        (["decompose", "IN", "-o", "nowhere/x.ply"], "no folder nowhere"),
+        (["decompose", "IN", "-o", "x.ply", "--format", "stl"], "--format goes with"),
+        (["decompose", "IN", "IN", "-o", "x.ply"], "several inputs need a folder"),
+        (["decompose", "IN", "--render", "x.jpg"], "has to be a .png"),
+        (["decompose", "IN", "-o", "FOLDER"], "is an input; name it"),
+        (["decompose", "IN", "IN", "-o", "OTHER"], "two inputs would become"),
+    ],
+)
+def test_wrong_arguments(tmp_path: Path, capfd, arguments, message):
+    path = write_monkey(tmp_path / "monkey.ply")
+    content = path.read_bytes()
+    other = tmp_path / "other"
+    other.mkdir()
+    names = {"IN": str(path), "FOLDER": str(path.parent), "OTHER": str(other)}
+    assert run([names.get(argument, argument) for argument in arguments]) == 2
+    assert message in capfd.readouterr().err
+    assert path.read_bytes() == content
+
+
+def test_help(capfd):
+    assert run(["--help"]) == 0
+    assert run(["decompose", "--help"]) == 0
+    text = capfd.readouterr().out
+    for option in ("--method", "--bands", "--gain", "--curve", "--render", "exit codes"):
+        assert option in text
