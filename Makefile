@@ -14,7 +14,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test lint extension bench pictures clean
+.PHONY: demo test test-bpy test-window lint extension bench pictures clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -23,6 +23,13 @@ demo: $(EXTENSION_STAMP)
 test: lint $(EXTENSION_STAMP)
 	cargo test --workspace --release --quiet
 	$(BIN)/python -m pytest tests
+
+test-bpy: $(EXTENSION_STAMP)
+	PYTHON=$(PYTHON) tools/test_bpy.sh
+
+# Needs the chroot: tools/blender_chroot.sh.
+test-window: $(EXTENSION_STAMP)
+	BLENDER=blender tools/blender_chroot.sh run tests/window/run.sh
 
 lint: $(WHEEL_STAMP)
 	cargo fmt --all --check

@@ -101,9 +101,11 @@ def blender(tmp_path_factory) -> Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _disabled_in_the_end():
+def _removed_in_the_end():
     yield
     bpy.ops.preferences.addon_disable(module=MODULE)
+    if not IN_BLENDER:
+        _RESOURCES.cleanup()
 
 
 @pytest.fixture(autouse=True)

@@ -1,0 +1,161 @@
+"""A user's session with the sidebar; Blender runs this: see run.sh."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from screen import (
+    PICTURES,
+    Steps,
+    centre,
+    click,
+    drag,
+    find,
+    key,
+    move,
+    picture,
+    region,
+    run,
+    until,
+)
+
+BANDS = 5
+
+
+def session() -> Steps[None]:
+    yield from prepare()
+    yield from open_tab()
+    yield from decompose()
+    yield from watch()
+    yield from cancel_with_esc()
+    yield from decompose()
+    yield from cancel_with_the_button()
+    yield from finish()
+    yield from drag_a_slider()
+    yield from undo_and_redo()
+    yield from quit_while_it_runs()
+
+
+def prepare() -> Steps[None]:
+    """A mesh, and steps enough for a minute's work."""
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    bpy.ops.mesh.primitive_monkey_add()
+    monkey().modifiers.new("Subdivision", "SUBSURF").levels = 4
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    bpy.context.scene.spectral_tv.steps = 200
+    bpy.ops.ed.undo_push(message="Prepare")
+    yield 1
+
+
+def open_tab() -> Steps[None]:
+    """N opens the sidebar; its tabs are tried from the top, as no interface tells their places."""
+    yield from move(*centre(region("WINDOW")))
+    yield from key("KP_Decimal")
+    yield from key("n")
+    sidebar = region("UI")
+    for y in range(sidebar.y + sidebar.height - 10, sidebar.y, -15):
+        yield from click(sidebar.x + sidebar.width - 8, y)
+        if sidebar.active_panel_category == "Spectral TV":
+            break
+    assert sidebar.active_panel_category == "Spectral TV"
+    yield from picture("1_tab")
+
+
+def decompose() -> Steps[None]:
+    """Press the button."""
+    yield from click(*(yield from find("spectral_tv.decompose")))
+    yield from until(is_running, "the decomposition to start")
+
+
+def watch() -> Steps[None]:
+    """Progress is shown, and the window answers meanwhile."""
+    seen = {progress()}
+    while len(seen) < 4:
+        yield from until(lambda: progress() not in seen or not is_running(), "progress")
+        assert is_running(), f"was over after {sorted(seen)}"
+        seen.add(progress())
+    assert sorted(seen)[1] > 0
+    assert sorted(seen)[-1] < 1
+    yield from move(*centre(region("WINDOW")))
+    before = region("WINDOW").data.view_matrix.copy()
+    yield from key("KP_1")
+    yield from until(lambda: region("WINDOW").data.view_matrix != before, "the view to turn")
+    assert is_running()
+    yield from picture("2_progress")
+
+
+def cancel_with_esc() -> Steps[None]:
+    yield from key("Escape")
+    yield from until(lambda: not is_running(), "Esc to cancel")
+    yield from picture("3_cancelled")
+    assert bands() == []
+
+
+def cancel_with_the_button() -> Steps[None]:
+    yield from click(*(yield from find("spectral_tv.cancel", column=0.82)))
+    yield from until(lambda: not is_running(), "the button to cancel")
+    yield 1
+    assert bands() == []
+
+
+def finish() -> Steps[None]:
+    bpy.context.scene.spectral_tv.steps = 16
+    yield from decompose()
+    yield from until(lambda: not is_running(), "the decomposition to end")
+    assert [band.value for band in bands()] == [0] * BANDS
+    yield from picture("4_bands")
+
+
+def drag_a_slider() -> Steps[None]:
+    yield from drag(*(yield from find('Band 4"].value')), 40)
+    yield from move(*centre(region("WINDOW")))
+    values = [band.value for band in bands()]
+    assert values[3] > 0.1
+    assert values[:3] + values[4:] == [0] * (BANDS - 1)
+    yield from picture("5_slider")
+
+
+def undo_and_redo() -> Steps[None]:
+    """One step back is the slider, the next one the decomposition."""
+    yield from key("ctrl+z")
+    yield from until(lambda: len(bands()) == BANDS and bands()[3].value == 0, "undo of the slider")
+    yield from picture("6_undone")
+    yield from key("ctrl+z")
+    yield from until(lambda: bands() == [], "undo of the decomposition")
+    assert len(monkey().data.vertices) > 100_000, "undid more than the decomposition"
+    yield from key("ctrl+shift+z")
+    yield from until(lambda: len(bands()) == BANDS, "redo of the decomposition")
+
+
+def quit_while_it_runs() -> Steps[None]:
+    bpy.context.scene.spectral_tv.steps = 200
+    yield from decompose()
+    (PICTURES / "passed").touch()
+    bpy.ops.wm.quit_blender()
+
+
+def monkey() -> bpy.types.Object:
+    return bpy.data.objects["Suzanne"]
+
+
+def bands() -> list[bpy.types.ShapeKey]:
+    """The bands' shape keys; without them, none at all."""
+    keys = monkey().data.shape_keys
+    return [] if keys is None else list(keys.key_blocks)[1:]
+
+
+def progress() -> float:
+    return bpy.context.window_manager.spectral_tv.progress
+
+
+def is_running() -> bool:
+    return bpy.ops.spectral_tv.cancel.poll()
+
+
+bpy.context.preferences.view.show_splash = False
+run(session())
