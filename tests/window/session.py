@@ -75,7 +75,7 @@ def decompose() -> Steps[None]:
 def watch() -> Steps[None]:
     """Progress is shown, and the window answers meanwhile."""
     seen = {progress()}
-    while len(seen) < 4:
+    while len(seen) < 4 or progress() < 0.1:
         yield from until(lambda: progress() not in seen or not is_running(), "progress")
         assert is_running(), f"was over after {sorted(seen)}"
         seen.add(progress())
