@@ -65,7 +65,7 @@ impl Cholesky {
     /// Factorizes the matrix whose lower triangle is `lower`.
     ///
     /// Rounding can cost a nearly singular matrix its definiteness, as where areas vanish; its
-    /// diagonal is then enlarged by the least of [`ENLARGEMENTS`] that gives it back.
+    /// diagonal is then enlarged, by 1e-6 of itself at most, until it has it back.
     ///
     /// # Errors
     /// [`Error::Solver`] if the matrix is far from positive definite, or not finite.
