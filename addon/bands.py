@@ -61,13 +61,10 @@ def add_bands(
     Keys of an earlier decomposition stay, but are no longer bands.
     """
     edges = split.band_edges(settings.bands)
-    names = [f"{settings.method.title()} Band {band + 1}" for band in range(settings.bands)]
-    keys = add_displacements(obj, names, surface.to_object(split.bands(edges)))
-    for key in keys:
-        key.vertex_group = settings.vertex_group
-    _record(obj, settings, surface, split, keys)
-    _write_edges(obj, edges)
-    return [key.name for key in keys]
+    displacements = surface.to_object(split.bands(edges))
+    names = _write(obj, settings.method, settings.vertex_group, edges, displacements)
+    _record(obj, settings, surface, split)
+    return names
 
 
 def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
@@ -86,13 +83,7 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
     for key in band_keys(obj):
         if key is not None:
             obj.shape_key_remove(key)
-    names = [f"{record.method.title()} Band {band + 1}" for band in range(count)]
-    keys = add_displacements(obj, names, displacements)
-    for key in keys:
-        key.vertex_group = record.vertex_group
-    _link(obj, keys)
-    _write_edges(obj, edges)
-    return [key.name for key in keys]
+    return _write(obj, record.method, record.vertex_group, edges, displacements)
 
 
 def set_values(obj: bpy.types.Object, values: list[float]) -> None:
@@ -112,7 +103,7 @@ def forget_flows() -> None:
     _flows.clear()
 
 
-def _record(obj, settings, surface, split, keys) -> None:
+def _record(obj, settings, surface, split) -> None:
     record = obj.data.shape_keys.spectral_tv
     record.identifier = uuid.uuid4().hex
     record.method = settings.method
@@ -128,20 +119,23 @@ def _record(obj, settings, surface, split, keys) -> None:
     while len(_flows) >= MOST_FLOWS:
         del _flows[next(iter(_flows))]
     _flows[record.identifier] = split, surface.inverse
-    _link(obj, keys)
 
 
-def _link(obj: bpy.types.Object, keys: list[bpy.types.ShapeKey]) -> None:
+def _write(
+    obj: bpy.types.Object,
+    method: str,
+    vertex_group: str,
+    edges: np.ndarray,
+    displacements: np.ndarray,
+) -> list[str]:
+    """Add the shape keys of the bands between ``edges`` and link the record to them."""
+    names = [f"{method.title()} Band {band + 1}" for band in range(len(displacements))]
+    keys = add_displacements(obj, names, displacements)
     bands = obj.data.shape_keys.spectral_tv.bands
     bands.clear()
-    for key in keys:
+    for key, start, end in zip(keys, edges[:-1], edges[1:], strict=True):
+        key.vertex_group = vertex_group
         band = bands.add()
-        band.key = key.name
-        band.digest = digest(coordinates(key.data))
-
-
-def _write_edges(obj: bpy.types.Object, edges: np.ndarray) -> None:
-    for band, start, end in zip(
-        obj.data.shape_keys.spectral_tv.bands, edges[:-1], edges[1:], strict=True
-    ):
+        band.key, band.digest = key.name, digest(coordinates(key.data))
         band.start, band.end = start, end
+    return [key.name for key in keys]

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import bpy
 import spectral_tv
 
-from .records import coordinates, digest, topology_digest
+from .records import digest, topology_digest
+from .surface import basis_coordinates
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,4 @@ def finish() -> None:
 
 def state_of(obj: bpy.types.Object) -> str:
     """Digest of all that a decomposition depends on."""
-    mesh = obj.data
-    basis = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.reference_key.data
-    return topology_digest(mesh) + digest(coordinates(basis))
+    return topology_digest(obj.data) + digest(basis_coordinates(obj.data))

@@ -85,14 +85,6 @@ def _match(keys: bpy.types.Key, record: SpectralTVRecord, names: list[str], want
     ]
 
 
-def remember_names(obj: bpy.types.Object) -> None:
-    """Write today's names of the bands' keys into the record."""
-    keys = band_keys(obj)
-    for band, key in zip(obj.data.shape_keys.spectral_tv.bands, keys, strict=True):
-        if key is not None and band.key != key.name:
-            band.key = key.name
-
-
 def topology_changed(obj: bpy.types.Object) -> bool:
     """Whether vertices or faces were added or removed since the decomposition."""
     record = obj.data.shape_keys.spectral_tv

@@ -7,6 +7,7 @@ import numpy as np
 import spectral_tv
 
 from .objects import Refusal
+from .records import coordinates
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,7 @@ def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
     """Positions of the Basis shape key, or of the mesh where it has none, (V, 3)."""
     keys = mesh.shape_keys
     source = mesh.vertices if keys is None else keys.reference_key.data
-    coordinates = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    source.foreach_get("co", coordinates)
-    return coordinates.reshape(-1, 3).astype(np.float64)
+    return coordinates(source).reshape(-1, 3).astype(np.float64)
 
 
 def triangles(mesh: bpy.types.Mesh) -> np.ndarray:
