@@ -4,7 +4,7 @@
 //! Shapes – Theory and Applications": zero-homogeneous flows on a mesh, their spectral
 //! transform, and filters made of it. Data flows through the modules in this order:
 //!
-//! [`mesh`] → [`operators`] → [`solver`] → [`flow`] → [`spectral`] → [`method`]
+//! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
 
 #![forbid(unsafe_code)]
 
@@ -12,6 +12,7 @@ pub mod error;
 pub mod flow;
 pub mod mesh;
 pub mod method;
+pub mod minimization;
 pub mod monitor;
 pub mod operators;
 pub mod solver;

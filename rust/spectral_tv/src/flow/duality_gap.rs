@@ -3,22 +3,23 @@
 use ndarray::ArrayView2;
 
 use crate::flow::time_step::TimeStep;
-use crate::operators::{Discretization, FaceVector};
+use crate::minimization::{TangentField, clipping_factors};
+use crate::operators::Discretization;
 
 /// Primal minus dual energy of min ½‖u − û‖²_M + τ TV(u) at `state`, for the dual field that
-/// comes of clipping `fields` (C × F vectors) face by face to |z| ≤ 1. Never negative; 0 at the
+/// comes of clipping `field` face by face to |z| ≤ 1. Never negative; 0 at the
 /// solution. Written as a sum of non-negative terms, so that it loses no digits.
 pub(super) fn duality_gap(
     operators: &Discretization,
     step: &TimeStep,
     state: ArrayView2<f64>,
-    fields: &[Vec<FaceVector>],
+    field: &TangentField,
 ) -> f64 {
     let gradient = operators.gradient();
     let mut misalignment = gradient.norms(state);
-    let clip = clipping_factors(fields);
+    let clip = clipping_factors(field);
     let mut distance = 0.0;
-    for ((channel, data), field) in state.rows().into_iter().zip(step.data.rows()).zip(fields) {
+    for ((channel, data), field) in state.rows().into_iter().zip(step.data.rows()).zip(field) {
         let dual = |face: usize| field[face].map(|component| clip[face] * component);
         for (face, product) in misalignment.iter_mut().enumerate() {
             let ([x, y], [p, q]) = (gradient.on_face(face, &channel), dual(face));
@@ -36,22 +37,4 @@ pub(super) fn duality_gap(
         .map(|(product, area)| area * product.max(0.0))
         .sum();
     distance + step.tau * misaligned
-}
-
-/// min(1, 1/|z|) on every face, |z| over all channels together.
-pub(super) fn clipping_factors(fields: &[Vec<FaceVector>]) -> Vec<f64> {
-    let mut factors = vec![0.0; fields.first().map_or(0, Vec::len)];
-    for field in fields {
-        for (square, [x, y]) in factors.iter_mut().zip(field) {
-            *square += x * x + y * y;
-        }
-    }
-    for factor in &mut factors {
-        *factor = if *factor > 1.0 {
-            factor.sqrt().recip()
-        } else {
-            1.0
-        };
-    }
-    factors
 }

@@ -11,7 +11,6 @@ mod prediction;
 mod proximal;
 mod proximal_newton;
 mod semi_implicit;
-mod step_energy;
 mod time_step;
 mod total_variation;
 mod trajectory;

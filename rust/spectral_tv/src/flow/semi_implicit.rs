@@ -7,9 +7,9 @@ use crate::error::Result;
 use crate::flow::duality_gap::duality_gap;
 use crate::flow::law::Law;
 use crate::flow::prediction::{predicted_gradients, predicted_masses};
-use crate::flow::step_energy::StepEnergy;
 use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::{Recorder, Solution, Trajectory};
+use crate::minimization::Energy;
 use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness};
 use crate::solver::Cholesky;
@@ -154,11 +154,13 @@ impl<'a> StepSolver<'a> {
     /// One descent step on the energy of the time step, preconditioned by the factorization at
     /// hand, with the best step length.
     fn correct(&mut self, step: &TimeStep, masses: &[f64], state: &mut Array2<f64>) {
-        let energy = StepEnergy {
+        let energy = Energy {
             operators: self.operators,
-            law: self.law,
+            weights: &|norms| self.law.weights(norms),
             masses,
-            step,
+            data: &step.data,
+            tau: step.tau,
+            fixed: &[],
         };
         let slope = energy.slope(state.view());
         let descent = energy.descent(state.view(), &slope);
@@ -172,11 +174,13 @@ impl<'a> StepSolver<'a> {
     fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Solution {
         let mut gap = 0.0;
         if self.law.is_total_variation() {
-            let energy = StepEnergy {
+            let energy = Energy {
                 operators: self.operators,
-                law: self.law,
+                weights: &|norms| self.law.weights(norms),
                 masses: self.operators.masses(),
-                step,
+                data: &step.data,
+                tau: step.tau,
+                fixed: &[],
             };
             let mut slope = energy.slope(state.view());
             for field in &mut slope.gradients {

@@ -86,6 +86,21 @@ impl LaplacianPattern {
             }
         }
     }
+
+    /// Turns the rows and columns of `fixed` vertices (V, or empty for none) of an assembled
+    /// `system` into those of the identity.
+    pub fn pin(&self, fixed: &[bool], system: &mut CsMatI<f64, u32>) {
+        if fixed.is_empty() {
+            return;
+        }
+        for (column, mut entries) in system.outer_iterator_mut().enumerate() {
+            for (row, value) in entries.iter_mut() {
+                if fixed[row] || fixed[column] {
+                    *value = if row == column { 1.0 } else { 0.0 };
+                }
+            }
+        }
+    }
 }
 
 /// The off-diagonal entries, opposite to the corners, of a face's stiffness A w Gᵀ G.

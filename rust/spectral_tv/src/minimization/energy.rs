@@ -1,10 +1,10 @@
-//! E(u) = ½‖u − û‖²_M + τ Σ_f A_f Ψ(|∇u|), Ψ′(n) = n w(n): what an implicit step minimises.
+//! E(u) = ½‖u − û‖²_M + τ Σ_f A_f Ψ(|∇u|), Ψ′(n) = n w(n): what an implicit step of a flow
+//! minimises, and a deformation.
 
 use ndarray::{Array2, ArrayView2};
 
-use crate::flow::law::Law;
-use crate::flow::time_step::TimeStep;
-use crate::operators::{Discretization, FaceVector};
+use crate::minimization::fields::{TangentField, inner_products};
+use crate::operators::Discretization;
 
 /// The line search looks no further than this many times the direction.
 const LONGEST: f64 = 2.0;
@@ -12,43 +12,54 @@ const LONGEST: f64 = 2.0;
 const SLOPE_TOLERANCE: f64 = 1e-2;
 const MOST_EVALUATIONS: usize = 20;
 
-/// The energy of one step; convex, as n w(n) grows with n for every law.
+/// A convex energy of functions on a mesh, provided that n w(n) grows with n.
 #[derive(Clone, Copy)]
-pub(super) struct StepEnergy<'a> {
+pub struct Energy<'a> {
+    /// The operators of the mesh.
     pub operators: &'a Discretization,
-    pub law: &'a dyn Law,
+    /// w of every face, from n = |∇u| there.
+    pub weights: &'a dyn Fn(&[f64]) -> Vec<f64>,
+    /// M: how strongly each vertex is drawn to its data, V; 0 lets it go where it will.
     pub masses: &'a [f64],
-    pub step: &'a TimeStep,
+    /// û (C, V).
+    pub data: &'a Array2<f64>,
+    /// τ.
+    pub tau: f64,
+    /// Vertices whose value is given; empty if there are none, else V.
+    pub fixed: &'a [bool],
 }
 
-/// ∇u on every face, channel by channel, and the law's weights there.
-pub(super) struct Slope {
-    pub gradients: Vec<Vec<FaceVector>>,
+/// ∇u on every face, channel by channel, and the weights there.
+pub struct Slope {
+    /// ∇u.
+    pub gradients: TangentField,
+    /// w(|∇u|).
     pub weights: Vec<f64>,
 }
 
-impl StepEnergy<'_> {
+impl Energy<'_> {
     /// The gradients of `state` (C, V).
     pub fn slope(&self, state: ArrayView2<f64>) -> Slope {
         let gradients = self.gradients(state);
         let mut norms = inner_products(&gradients, &gradients);
         norms.iter_mut().for_each(|square| *square = square.sqrt());
-        let weights = self.law.weights(&norms);
+        let weights = (self.weights)(&norms);
         Slope { gradients, weights }
     }
 
-    /// −E′(u) = −(M(u − û) + τ Gᵀ A w ∇u), (C, V).
+    /// −E′(u) = −(M(u − û) + τ Gᵀ A w ∇u), (C, V); 0 at fixed vertices.
     pub fn descent(&self, state: ArrayView2<f64>, slope: &Slope) -> Array2<f64> {
-        let mut descent = &self.step.data - &state;
+        let mut descent = self.data - &state;
         for (mut row, field) in descent.rows_mut().into_iter().zip(&slope.gradients) {
             let flux = self
                 .operators
                 .gradient()
                 .adjoint(|face| field[face].map(|component| slope.weights[face] * component));
             for ((value, mass), flux) in row.iter_mut().zip(self.masses).zip(flux) {
-                *value = mass * *value - self.step.tau * flux;
+                *value = mass * *value - self.tau * flux;
             }
         }
+        self.clear_fixed(&mut descent);
         descent
     }
 
@@ -117,16 +128,30 @@ impl StepEnergy<'_> {
                 .map(|f| squares[f] + alpha * (2.0 * along[f] + alpha * squared[f]))
                 .map(|square| square.max(0.0).sqrt())
                 .collect();
-            let weights = self.law.weights(&norms);
+            let weights = (self.weights)(&norms);
             (0..areas.len())
                 .map(|f| areas[f] * weights[f] * (along[f] + alpha * squared[f]))
                 .sum()
         };
-        let linear = start - self.step.tau * variation(0.0);
-        move |alpha| linear + alpha * quadratic + self.step.tau * variation(alpha)
+        let linear = start - self.tau * variation(0.0);
+        move |alpha| linear + alpha * quadratic + self.tau * variation(alpha)
     }
 
-    fn gradients(&self, values: ArrayView2<f64>) -> Vec<Vec<FaceVector>> {
+    /// Sets `values` (C, V) to 0 at fixed vertices.
+    pub(super) fn clear_fixed(&self, values: &mut Array2<f64>) {
+        if self.fixed.is_empty() {
+            return;
+        }
+        for mut row in values.rows_mut() {
+            for (value, &fixed) in row.iter_mut().zip(self.fixed) {
+                if fixed {
+                    *value = 0.0;
+                }
+            }
+        }
+    }
+
+    fn gradients(&self, values: ArrayView2<f64>) -> TangentField {
         let gradient = self.operators.gradient();
         values
             .rows()
@@ -134,15 +159,4 @@ impl StepEnergy<'_> {
             .map(|u| gradient.apply(u))
             .collect()
     }
-}
-
-/// ⟨a, b⟩ on every face, over all channels.
-pub(super) fn inner_products(a: &[Vec<FaceVector>], b: &[Vec<FaceVector>]) -> Vec<f64> {
-    let mut products = vec![0.0; a[0].len()];
-    for (a, b) in a.iter().zip(b) {
-        for ((product, p), q) in products.iter_mut().zip(a).zip(b) {
-            *product += p[0] * q[0] + p[1] * q[1];
-        }
-    }
-    products
 }

@@ -1,0 +1,10 @@
+//! Minimisation of convex energies of the gradient, TV above all: what implicit steps of flows
+//! and deformations have in common.
+
+mod energy;
+mod fields;
+mod newton;
+
+pub use energy::{Energy, Slope};
+pub use fields::{TangentField, clipping_factors, inner_products};
+pub use newton::PrimalDualNewton;
