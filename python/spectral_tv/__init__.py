@@ -8,11 +8,16 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 >>> split = spectral_tv.decompose(mesh, method="m1")
 >>> bands = split.bands(split.band_edges(5))          # (5, V, 3), finest first
 >>> smooth = split.residual + bands[2:].sum(axis=0)   # without the two finest
+
+>>> bent = spectral_tv.deform(mesh, indices, targets)  # the others follow in rigid pieces
+>>> bent.vertices, bent.gap                            # (V, 3), and how near to the optimum
 """
 
 from spectral_tv._native import (
     Cancelled,
     Decomposition,
+    Deformation,
+    Deformer,
     Flow,
     Job,
     Mesh,
@@ -21,15 +26,19 @@ from spectral_tv._native import (
     conformal_flow,
     decompose,
     default_scales,
+    deform,
     flow,
     graded_times,
     start_decompose,
+    start_deform,
     total_variation,
 )
 
 __all__ = [
     "Cancelled",
     "Decomposition",
+    "Deformation",
+    "Deformer",
     "Flow",
     "Job",
     "Mesh",
@@ -38,8 +47,10 @@ __all__ = [
     "conformal_flow",
     "decompose",
     "default_scales",
+    "deform",
     "flow",
     "graded_times",
     "start_decompose",
+    "start_deform",
     "total_variation",
 ]

@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = [
     "Cancelled",
     "Decomposition",
+    "Deformation",
+    "Deformer",
     "Flow",
     "Job",
     "Mesh",
@@ -15,15 +17,18 @@ __all__ = [
     "conformal_flow",
     "decompose",
     "default_scales",
+    "deform",
     "flow",
     "graded_times",
     "start_decompose",
+    "start_deform",
     "total_variation",
 ]
 __version__: str
 
 _Method = Literal["m1", "m2", "m3", "naive", "heat"]
 _Scheme = Literal["extrapolated", "lagged", "exact"]
+_Algorithm = Literal["convex", "paper", "harmonic", "biharmonic", "arap"]
 _Progress = Callable[[float], object]
 
 class MeshError(ValueError): ...
@@ -69,6 +74,34 @@ class Decomposition:
     def filter(self, gains: ArrayLike | Callable[[float], float]) -> NDArray[np.float64]: ...
 
 @final
+class Deformation:
+    @property
+    def vertices(self) -> NDArray[np.float64]: ...
+    @property
+    def total_variation(self) -> float: ...
+    @property
+    def gap(self) -> float: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def unconstrained(self) -> NDArray[np.int64]: ...
+
+@final
+class Deformer:
+    def __new__(
+        cls,
+        mesh: Mesh,
+        indices: ArrayLike,
+        weights: ArrayLike | None = None,
+        softness: float = 0.0,
+    ) -> Deformer: ...
+    def drag(self, targets: ArrayLike) -> Deformation: ...
+    def solve(
+        self, targets: ArrayLike, tolerance: float = 1e-3, progress: _Progress | None = None
+    ) -> Deformation: ...
+    def start_solve(self, targets: ArrayLike, tolerance: float = 1e-3) -> Job: ...
+
+@final
 class Job:
     @property
     def progress(self) -> float: ...
@@ -101,6 +134,25 @@ def start_decompose(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+) -> Job: ...
+def deform(
+    mesh: Mesh,
+    indices: ArrayLike,
+    targets: ArrayLike,
+    weights: ArrayLike | None = None,
+    softness: float = 0.0,
+    tolerance: float = 1e-3,
+    algorithm: _Algorithm = "convex",
+    progress: _Progress | None = None,
+) -> Deformation: ...
+def start_deform(
+    mesh: Mesh,
+    indices: ArrayLike,
+    targets: ArrayLike,
+    weights: ArrayLike | None = None,
+    softness: float = 0.0,
+    tolerance: float = 1e-3,
+    algorithm: _Algorithm = "convex",
 ) -> Job: ...
 def flow(
     mesh: Mesh,

@@ -92,8 +92,20 @@ pub fn channels(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(Array2<f64>, 
 
 /// A list of numbers, (N,).
 pub fn list(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let array = numbers(name, value, NUMBERS, "float64")?;
-    let array = array.cast::<PyArrayDyn<f64>>()?;
+    flat(name, &numbers(name, value, NUMBERS, "float64")?)
+}
+
+/// A list of indices, (N,).
+pub fn indices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<i64>> {
+    // An empty list has no dtype that says integer.
+    if value.len().is_ok_and(|length| length == 0) {
+        return Ok(Vec::new());
+    }
+    flat(name, &numbers(name, value, INTEGERS, "int64")?)
+}
+
+fn flat<T: numpy::Element + Copy>(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Vec<T>> {
+    let array = array.cast::<PyArrayDyn<T>>()?;
     if array.ndim() != 1 {
         return Err(MeshError::new_err(format!(
             "{name} must be a list of numbers, not an array of shape {:?}",

@@ -2,6 +2,7 @@
 
 mod arrays;
 mod decomposition;
+mod deformation;
 mod error;
 mod flow;
 mod job;
@@ -20,9 +21,13 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<mesh::Mesh>()?;
     module.add_class::<flow::Flow>()?;
     module.add_class::<decomposition::Decomposition>()?;
+    module.add_class::<deformation::Deformation>()?;
+    module.add_class::<deformation::Deformer>()?;
     module.add_class::<job::Job>()?;
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::start_decompose, module)?)?;
+    module.add_function(wrap_pyfunction!(deformation::deform, module)?)?;
+    module.add_function(wrap_pyfunction!(deformation::start_deform, module)?)?;
     module.add_function(wrap_pyfunction!(flow::flow, module)?)?;
     module.add_function(wrap_pyfunction!(flow::conformal_flow, module)?)?;
     module.add_function(wrap_pyfunction!(flow::total_variation, module)?)?;

@@ -8,6 +8,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod deformation;
 pub mod error;
 pub mod flow;
 pub mod mesh;

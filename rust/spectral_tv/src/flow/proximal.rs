@@ -2,10 +2,11 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::flow::proximal_newton::ProximalNewton;
 use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::{Recorder, Solution, Trajectory};
+use crate::minimization::check_tolerance;
 use crate::monitor::Stage;
 use crate::operators::Discretization;
 
@@ -22,11 +23,7 @@ pub fn proximal_flow(
     times: &[f64],
     stage: Stage,
 ) -> Result<Trajectory> {
-    if !(tolerance > 0.0 && tolerance < 1.0) {
-        return Err(Error::Argument(format!(
-            "tolerance must be between 0 and 1, not {tolerance}"
-        )));
-    }
+    check_tolerance(tolerance)?;
     let mut record = Recorder::new(operators, initial.view(), times)?;
     let mut newton = ProximalNewton::new(operators, initial.nrows())?;
     for k in 0..times.len() - 1 {

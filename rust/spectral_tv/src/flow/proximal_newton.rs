@@ -2,11 +2,9 @@
 
 use crate::error::Result;
 use crate::flow::duality_gap::duality_gap;
-use crate::flow::law::Law;
 use crate::flow::time_step::TimeStep;
-use crate::flow::total_variation::TotalVariation;
 use crate::flow::trajectory::Solution;
-use crate::minimization::{Energy, PrimalDualNewton};
+use crate::minimization::{Energy, PrimalDualNewton, Variation};
 use crate::monitor::Stage;
 use crate::operators::Discretization;
 
@@ -54,10 +52,11 @@ impl<'a> ProximalNewton<'a> {
         let mut state = step.data.clone();
         for _ in 0..MOST_ITERATIONS {
             stage.check()?;
-            let law = TotalVariation::with_epsilon(self.epsilon);
+            let variation = Variation::smoothed(self.epsilon);
             let energy = Energy {
                 operators: self.operators,
-                weights: &|norms| law.weights(norms),
+                weights: &|norms| variation.weights(norms),
+                least_weight: 0.0,
                 masses: self.operators.masses(),
                 data: &step.data,
                 tau: step.tau,
@@ -69,7 +68,7 @@ impl<'a> ProximalNewton<'a> {
             let length = energy.line_search(&slope, &direction, &descent);
             self.newton.update_dual(&energy, &slope, &direction);
             state.scaled_add(length, &direction);
-            let gap = duality_gap(self.operators, step, state.view(), &self.newton.dual);
+            let gap = duality_gap(self.operators, step, state.view(), self.newton.dual());
             if gap < best.gap {
                 best.gap = gap;
                 best.state.assign(&state);

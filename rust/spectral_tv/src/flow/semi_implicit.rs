@@ -157,6 +157,7 @@ impl<'a> StepSolver<'a> {
         let energy = Energy {
             operators: self.operators,
             weights: &|norms| self.law.weights(norms),
+            least_weight: 0.0,
             masses,
             data: &step.data,
             tau: step.tau,
@@ -177,18 +178,14 @@ impl<'a> StepSolver<'a> {
             let energy = Energy {
                 operators: self.operators,
                 weights: &|norms| self.law.weights(norms),
+                least_weight: 0.0,
                 masses: self.operators.masses(),
                 data: &step.data,
                 tau: step.tau,
                 fixed: &[],
             };
-            let mut slope = energy.slope(state.view());
-            for field in &mut slope.gradients {
-                for (vector, weight) in field.iter_mut().zip(&slope.weights) {
-                    *vector = vector.map(|component| weight * component);
-                }
-            }
-            gap = duality_gap(self.operators, step, state.view(), &slope.gradients);
+            let fluxes = energy.slope(state.view()).fluxes();
+            gap = duality_gap(self.operators, step, state.view(), &fluxes);
         }
         Solution {
             state,

@@ -4,6 +4,7 @@ use ndarray::ArrayView2;
 
 use crate::error::Result;
 use crate::flow::law::Law;
+use crate::minimization::Variation;
 use crate::operators::{Discretization, total_variation};
 
 /// ε relative to the mean |∇f|: small enough for edges to stay crisp, large enough for the
@@ -31,19 +32,9 @@ impl TotalVariation {
     }
 }
 
-impl TotalVariation {
-    /// The law with a given ε > 0, in the unit of the gradient.
-    pub(super) fn with_epsilon(epsilon: f64) -> Self {
-        Self { epsilon }
-    }
-}
-
 impl Law for TotalVariation {
     fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        gradient_norms
-            .iter()
-            .map(|norm| norm.hypot(self.epsilon).recip())
-            .collect()
+        Variation::smoothed(self.epsilon).weights(gradient_norms)
     }
 
     fn is_total_variation(&self) -> bool {

@@ -4,7 +4,7 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::minimization::fields::{TangentField, inner_products};
-use crate::operators::Discretization;
+use crate::operators::{Discretization, FaceVector};
 
 /// The line search looks no further than this many times the direction.
 const LONGEST: f64 = 2.0;
@@ -19,6 +19,8 @@ pub struct Energy<'a> {
     pub operators: &'a Discretization,
     /// w of every face, from n = |∇u| there.
     pub weights: &'a dyn Fn(&[f64]) -> Vec<f64>,
+    /// The w of steep gradients, on which it no longer depends; 0 if it always does, as 1/|∇u|.
+    pub least_weight: f64,
     /// M: how strongly each vertex is drawn to its data, V; 0 lets it go where it will.
     pub masses: &'a [f64],
     /// û (C, V).
@@ -37,6 +39,18 @@ pub struct Slope {
     pub weights: Vec<f64>,
 }
 
+impl Slope {
+    /// w ∇u.
+    pub fn fluxes(mut self) -> TangentField {
+        for channel in &mut self.gradients {
+            for (vector, weight) in channel.iter_mut().zip(&self.weights) {
+                *vector = vector.map(|component| weight * component);
+            }
+        }
+        self.gradients
+    }
+}
+
 impl Energy<'_> {
     /// The gradients of `state` (C, V).
     pub fn slope(&self, state: ArrayView2<f64>) -> Slope {
@@ -49,12 +63,27 @@ impl Energy<'_> {
 
     /// −E′(u) = −(M(u − û) + τ Gᵀ A w ∇u), (C, V); 0 at fixed vertices.
     pub fn descent(&self, state: ArrayView2<f64>, slope: &Slope) -> Array2<f64> {
+        self.descent_along(state, |channel, face| {
+            slope.gradients[channel][face].map(|component| slope.weights[face] * component)
+        })
+    }
+
+    /// −(M(u − û) + τ Gᵀ A z) for a dual `field` z, (C, V); 0 at fixed vertices.
+    pub fn descent_of(&self, state: ArrayView2<f64>, field: &TangentField) -> Array2<f64> {
+        self.descent_along(state, |channel, face| field[channel][face])
+    }
+
+    fn descent_along(
+        &self,
+        state: ArrayView2<f64>,
+        field: impl Fn(usize, usize) -> FaceVector,
+    ) -> Array2<f64> {
         let mut descent = self.data - &state;
-        for (mut row, field) in descent.rows_mut().into_iter().zip(&slope.gradients) {
+        for (channel, mut row) in descent.rows_mut().into_iter().enumerate() {
             let flux = self
                 .operators
                 .gradient()
-                .adjoint(|face| field[face].map(|component| slope.weights[face] * component));
+                .adjoint(|face| field(channel, face));
             for ((value, mass), flux) in row.iter_mut().zip(self.masses).zip(flux) {
                 *value = mass * *value - self.tau * flux;
             }
@@ -135,6 +164,16 @@ impl Energy<'_> {
         };
         let linear = start - self.tau * variation(0.0);
         move |alpha| linear + alpha * quadratic + self.tau * variation(alpha)
+    }
+
+    /// Whether a face of weight w is steep.
+    pub(super) fn is_steep(&self, weight: f64) -> bool {
+        weight <= self.least_weight * (1.0 + f64::EPSILON)
+    }
+
+    /// −w′(n)/(n w²) for w = 1/√(n² + ε²), 0 on steep faces.
+    pub(super) fn bend(&self, weight: f64) -> f64 {
+        if self.is_steep(weight) { 0.0 } else { weight }
     }
 
     /// Sets `values` (C, V) to 0 at fixed vertices.

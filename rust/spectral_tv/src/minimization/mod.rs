@@ -4,7 +4,11 @@
 mod energy;
 mod fields;
 mod newton;
+mod tolerance;
+mod variation;
 
 pub use energy::{Energy, Slope};
 pub use fields::{TangentField, clipping_factors, inner_products};
 pub use newton::PrimalDualNewton;
+pub use tolerance::check_tolerance;
+pub use variation::Variation;

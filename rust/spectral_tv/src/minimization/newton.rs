@@ -22,8 +22,8 @@ const MOST_INNER_ITERATIONS: usize = 100;
 pub struct PrimalDualNewton {
     system: CsMatI<f64, u32>,
     cholesky: Cholesky,
-    /// z, |z| ≤ 1 on every face.
-    pub dual: TangentField,
+    /// z, |z| ≤ 1 on every face that is not steep.
+    dual: TangentField,
 }
 
 impl PrimalDualNewton {
@@ -42,56 +42,46 @@ impl PrimalDualNewton {
         })
     }
 
+    /// The reweighted direction: (M + τ L(w)) δ = `descent`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Solver`] if the system is far from positive definite.
+    pub fn reweighted(
+        &mut self,
+        energy: &Energy,
+        slope: &Slope,
+        descent: &Array2<f64>,
+    ) -> Result<Array2<f64>> {
+        self.factorize(energy, reweighted_stiffness(energy, slope))?;
+        let mut direction = descent.clone();
+        self.cholesky.solve_in_place(&mut direction);
+        Ok(direction)
+    }
+
     /// The Newton direction: (M + τ Gᵀ A H G) δ = `descent`, H the symmetrised derivative.
     ///
     /// # Errors
-    /// [`crate::Error::Solver`] if a system is far from positive definite.
+    /// As [`Self::reweighted`].
     pub fn direction(
         &mut self,
         energy: &Energy,
         slope: &Slope,
         descent: &Array2<f64>,
     ) -> Result<Array2<f64>> {
-        let operators = energy.operators;
-        let gradient = operators.gradient();
-        let dual = &self.dual;
-        let scale = |face: usize| energy.tau * gradient.face_areas()[face] * slope.weights[face];
-        let reweighted = |face: usize| element_stiffness(&gradient.hats()[face], scale(face));
-        // H acts within the one channel of a scalar, so its matrix can be factorized itself.
-        let newton = |face: usize| {
-            let hats = &gradient.hats()[face];
-            let along = |v: FaceVector| hats.map(|hat| hat[0] * v[0] + hat[1] * v[1]);
-            let (z, g) = (along(dual[0][face]), along(slope.gradients[0][face]));
-            let half = 0.5 * scale(face) * slope.weights[face];
-            let mut edges = reweighted(face);
-            for (edge, (p, q)) in edges.iter_mut().zip([(1, 2), (2, 0), (0, 1)]) {
-                *edge -= half * (z[p] * g[q] + g[p] * z[q]);
+        if self.dual.len() == 1 {
+            let stiffness = newton_stiffness(energy, slope, self.dual[0].clone());
+            if self.factorize(energy, stiffness).is_err() {
+                // H may be singular but for rounding, on needles. Reweighting always descends.
+                return self.reweighted(energy, slope, descent);
             }
-            edges
-        };
-        let (pattern, masses) = (operators.pattern(), energy.masses);
-        let mut direction = descent.clone();
-        let is_scalar = dual.len() == 1;
-        if is_scalar {
-            pattern.assemble(gradient, masses, newton, &mut self.system);
-            pattern.pin(energy.fixed, &mut self.system);
-            if self.cholesky.factorize(&self.system).is_ok() {
-                self.cholesky.solve_in_place(&mut direction);
-                return Ok(direction);
-            }
-            // H may be singular but for rounding, on needles. Reweighting always descends.
-        }
-        pattern.assemble(gradient, masses, reweighted, &mut self.system);
-        pattern.pin(energy.fixed, &mut self.system);
-        self.cholesky.factorize(&self.system)?;
-        if is_scalar {
+            let mut direction = descent.clone();
             self.cholesky.solve_in_place(&mut direction);
             return Ok(direction);
         }
-        let hessian = |values: &Array2<f64>| apply_hessian(energy, slope, dual, values);
-        let cholesky = &mut self.cholesky;
+        self.factorize(energy, reweighted_stiffness(energy, slope))?;
+        let (cholesky, dual) = (&mut self.cholesky, &self.dual);
         Ok(conjugate_gradients(
-            hessian,
+            |values| apply_hessian(energy, slope, dual, values),
             |residual| cholesky.solve_in_place(residual),
             descent,
             INNER_TOLERANCE,
@@ -99,7 +89,43 @@ impl PrimalDualNewton {
         ))
     }
 
-    /// z ← w (∇u + ∇δ − w ⟨∇u, ∇δ⟩ z), w = 1/|∇u|_ε, clipped to the unit ball.
+    fn factorize(&mut self, energy: &Energy, stiffness: impl Fn(usize) -> [f64; 3]) -> Result<()> {
+        let pattern = energy.operators.pattern();
+        let gradient = energy.operators.gradient();
+        pattern.assemble(gradient, energy.masses, stiffness, &mut self.system);
+        pattern.pin(energy.fixed, &mut self.system);
+        self.cholesky.factorize(&self.system)
+    }
+
+    /// The dual field brought into balance with `state` (C, V): z + w ∇q, the least change, for
+    /// the metric of the weights, that makes M(u − û) + τ Gᵀ A z vanish at free vertices. It may
+    /// leave the unit ball. The weights are those that were last factorized.
+    ///
+    /// # Panics
+    /// If nothing was factorized before.
+    pub fn balanced_dual(
+        &mut self,
+        energy: &Energy,
+        slope: &Slope,
+        state: &Array2<f64>,
+    ) -> TangentField {
+        let gradient = energy.operators.gradient();
+        let mut potential = energy.descent_of(state.view(), &self.dual);
+        self.cholesky.solve_in_place(&mut potential);
+        let channels = self.dual.iter().zip(potential.rows());
+        channels
+            .map(|(z, potential)| {
+                let change = |face| gradient.on_face(face, &potential);
+                let balanced = |face: usize| {
+                    let ([x, y], [p, q]) = (z[face], change(face));
+                    [x + slope.weights[face] * p, y + slope.weights[face] * q]
+                };
+                (0..z.len()).map(balanced).collect()
+            })
+            .collect()
+    }
+
+    /// z ← w (∇u + ∇δ − w ⟨∇u, ∇δ⟩ z), w = 1/|∇u|_ε; on steep faces w (∇u + ∇δ).
     pub fn update_dual(&mut self, energy: &Energy, slope: &Slope, direction: &Array2<f64>) {
         let gradient = energy.operators.gradient();
         let changes: Vec<_> = direction
@@ -108,25 +134,72 @@ impl PrimalDualNewton {
             .map(|d| gradient.apply(d))
             .collect();
         let along = inner_products(&slope.gradients, &changes);
-        for ((dual, field), change) in self.dual.iter_mut().zip(&slope.gradients).zip(&changes) {
+        let mut field = std::mem::take(&mut self.dual);
+        for ((dual, gradients), change) in field.iter_mut().zip(&slope.gradients).zip(&changes) {
             for (face, z) in dual.iter_mut().enumerate() {
                 let weight = slope.weights[face];
+                let bend = energy.bend(weight);
                 for axis in 0..2 {
-                    let linearised = field[face][axis] + change[face][axis];
-                    z[axis] = weight * (linearised - weight * along[face] * z[axis]);
+                    let linearised = gradients[face][axis] + change[face][axis];
+                    z[axis] = weight * (linearised - bend * along[face] * z[axis]);
                 }
             }
         }
-        let clip = clipping_factors(&self.dual);
-        for dual in &mut self.dual {
-            for (z, factor) in dual.iter_mut().zip(&clip) {
-                *z = z.map(|component| factor * component);
+        self.set_dual(energy, slope, field);
+    }
+
+    /// The dual field z.
+    pub fn dual(&self) -> &TangentField {
+        &self.dual
+    }
+
+    /// Goes on from `field`, clipped to the unit ball where faces are not steep.
+    pub fn set_dual(&mut self, energy: &Energy, slope: &Slope, mut field: TangentField) {
+        let clip = clipping_factors(&field);
+        for channel in &mut field {
+            for (face, z) in channel.iter_mut().enumerate() {
+                if !energy.is_steep(slope.weights[face]) {
+                    *z = z.map(|component| clip[face] * component);
+                }
             }
         }
+        self.dual = field;
     }
 }
 
-/// (M + τ Gᵀ A H G) applied to `values` (C, V), H = w (I − ½ w (z gᵀ + g zᵀ)) over all channels.
+/// Every face's share of τ L(w).
+fn reweighted_stiffness(energy: &Energy, slope: &Slope) -> impl Fn(usize) -> [f64; 3] {
+    let gradient = energy.operators.gradient();
+    move |face| {
+        let scale = energy.tau * gradient.face_areas()[face] * slope.weights[face];
+        element_stiffness(&gradient.hats()[face], scale)
+    }
+}
+
+/// Every face's share of τ Gᵀ A H G for a scalar, where H acts within the one channel, so that
+/// its matrix can be factorized itself.
+fn newton_stiffness(
+    energy: &Energy,
+    slope: &Slope,
+    dual: Vec<FaceVector>,
+) -> impl Fn(usize) -> [f64; 3] {
+    let gradient = energy.operators.gradient();
+    move |face| {
+        let hats = &gradient.hats()[face];
+        let along = |v: FaceVector| hats.map(|hat| hat[0] * v[0] + hat[1] * v[1]);
+        let (z, g) = (along(dual[face]), along(slope.gradients[0][face]));
+        let scale = energy.tau * gradient.face_areas()[face] * slope.weights[face];
+        let half = 0.5 * scale * energy.bend(slope.weights[face]);
+        let mut edges = element_stiffness(hats, scale);
+        for (edge, (p, q)) in edges.iter_mut().zip([(1, 2), (2, 0), (0, 1)]) {
+            *edge -= half * (z[p] * g[q] + g[p] * z[q]);
+        }
+        edges
+    }
+}
+
+/// (M + τ Gᵀ A H G) applied to `values` (C, V), H = w (I − ½ w (z gᵀ + g zᵀ)) over all channels;
+/// w I on steep faces.
 fn apply_hessian(
     energy: &Energy,
     slope: &Slope,
@@ -148,7 +221,7 @@ fn apply_hessian(
             let (z, g) = (dual[channel][face], slope.gradients[channel][face]);
             std::array::from_fn(|axis| {
                 let coupling = z[axis] * along_gradient[face] + g[axis] * along_dual[face];
-                weight * (changes[channel][face][axis] - 0.5 * weight * coupling)
+                weight * (changes[channel][face][axis] - 0.5 * energy.bend(weight) * coupling)
             })
         });
         for ((value, mass), flux) in row.iter_mut().zip(energy.masses).zip(flux) {

@@ -1,0 +1,217 @@
+//! What a deformation is given: where some vertices go, exactly or softly.
+
+use ndarray::Array2;
+
+use crate::deformation::components::connected_components;
+use crate::error::{Error, Result};
+use crate::mesh::TriangleMesh;
+
+/// Two exact targets of one vertex that differ by more than this, relative to √area, contradict
+/// each other.
+const SAME_TARGET: f64 = 1e-9;
+/// A patch of this fraction of the area and weight ½ pulls as hard as a cut of length √area
+/// holds back.
+const PATCH: f64 = 0.01;
+
+/// Which vertices are constrained, and how firmly; where they go is said anew for each solution.
+#[derive(Debug, Clone)]
+pub struct Constraints {
+    vertices: Vec<usize>,
+    /// w/(1 − w) of every entry, infinite for exact ones.
+    firmness: Vec<f64>,
+    positions: Vec<[f64; 3]>,
+    /// What a spring of firmness 1 is at every vertex, times the spread of the displacements.
+    spring: Vec<f64>,
+    closeness: f64,
+    /// Vertices whose displacement is given: 0 for the floating ones.
+    pub(super) fixed: Vec<bool>,
+    /// Vertices of components without any constraint.
+    pub(super) floating: Vec<bool>,
+}
+
+/// The displacements that constraints ask for.
+#[derive(Debug, Clone)]
+pub(super) struct Targets {
+    /// c at constrained vertices, 0 elsewhere, (3, V).
+    pub displacements: Array2<f64>,
+    /// κ of the penalty ½ Σ κ |d − c|² of soft constraints, V.
+    pub springs: Vec<f64>,
+    /// Centre of a ball that holds all displacements asked for.
+    pub centre: [f64; 3],
+    /// Its radius.
+    pub radius: f64,
+}
+
+impl Targets {
+    /// How far apart the displacements asked for are, a length.
+    pub fn spread(&self) -> f64 {
+        2.0 * self.radius
+    }
+}
+
+impl Constraints {
+    /// Constrains `indices`, with one weight each in (0, 1]: 1 is exact, less is a spring. All
+    /// are exact if no weights are given. A patch of area a that hangs on a cut of length p
+    /// stays behind by (1 − w)/w · p/√area · 0.01 area/a of the movement.
+    ///
+    /// # Errors
+    /// If there are none, an index is out of range, a weight is not in (0, 1], or no vertex is
+    /// left to deform.
+    pub fn new(mesh: &TriangleMesh, indices: &[i64], weights: Option<&[f64]>) -> Result<Self> {
+        let count = mesh.vertex_count();
+        let vertices = checked_indices(indices, count)?;
+        let firmness = match weights {
+            Some(weights) => firmness(weights, indices)?,
+            None => vec![f64::INFINITY; vertices.len()],
+        };
+        let components = connected_components(count, mesh.triangles());
+        let mut is_held = vec![false; count];
+        let mut fixed = vec![false; count];
+        for (&vertex, firmness) in vertices.iter().zip(&firmness) {
+            is_held[components[vertex] as usize] = true;
+            fixed[vertex] |= firmness.is_infinite();
+        }
+        let floating: Vec<bool> = components.iter().map(|&c| !is_held[c as usize]).collect();
+        if fixed
+            .iter()
+            .zip(&floating)
+            .all(|(&fixed, &floating)| fixed || floating)
+        {
+            return Err(Error::Argument(
+                "every vertex that could move is constrained exactly; nothing is left to deform"
+                    .into(),
+            ));
+        }
+        for (fixed, &floating) in fixed.iter_mut().zip(&floating) {
+            *fixed |= floating;
+        }
+        let size = mesh.area().sqrt();
+        let areas = mesh.vertex_areas().iter();
+        Ok(Self {
+            firmness,
+            positions: vertices.iter().map(|&v| mesh.vertices()[v]).collect(),
+            vertices,
+            spring: areas.map(|area| area / (PATCH * size)).collect(),
+            closeness: SAME_TARGET * size,
+            fixed,
+            floating,
+        })
+    }
+
+    /// Vertices of connected components without any constraint: they stay where they are.
+    pub fn floating(&self) -> &[bool] {
+        &self.floating
+    }
+
+    /// The displacements that take every constrained vertex to its target.
+    ///
+    /// # Errors
+    /// If the number of targets is another, one is not finite, or two exact targets of a vertex
+    /// differ.
+    pub(super) fn targets(&self, positions: &[[f64; 3]]) -> Result<Targets> {
+        self.check(positions)?;
+        let mut displacements = Array2::zeros((3, self.fixed.len()));
+        let mut firmness = vec![0.0; self.fixed.len()];
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for (entry, &vertex) in self.vertices.iter().enumerate() {
+            if self.fixed[vertex] && self.firmness[entry].is_finite() {
+                continue; // an exact target wins
+            }
+            let share = if self.fixed[vertex] {
+                1.0
+            } else {
+                firmness[vertex] += self.firmness[entry];
+                self.firmness[entry] / firmness[vertex]
+            };
+            for axis in 0..3 {
+                let asked = positions[entry][axis] - self.positions[entry][axis];
+                let value = &mut displacements[[axis, vertex]];
+                *value += share * (asked - *value);
+                (low[axis], high[axis]) = (low[axis].min(asked), high[axis].max(asked));
+            }
+        }
+        let centre = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
+        let radius = 0.5
+            * (0..3)
+                .map(|i| (high[i] - low[i]).powi(2))
+                .sum::<f64>()
+                .sqrt();
+        let scale = |spring: f64| {
+            if radius > 0.0 {
+                spring / (2.0 * radius)
+            } else {
+                spring
+            }
+        };
+        let springs = firmness.iter().zip(&self.spring);
+        Ok(Targets {
+            springs: springs
+                .map(|(firmness, &spring)| firmness * scale(spring))
+                .collect(),
+            displacements,
+            centre,
+            radius,
+        })
+    }
+
+    fn check(&self, positions: &[[f64; 3]]) -> Result<()> {
+        if positions.len() != self.vertices.len() {
+            return Err(Error::Argument(format!(
+                "there must be one target per constrained vertex ({}), not {}",
+                self.vertices.len(),
+                positions.len()
+            )));
+        }
+        let mut first = vec![None; self.fixed.len()];
+        for (entry, (&vertex, target)) in self.vertices.iter().zip(positions).enumerate() {
+            if !target.iter().all(|x| x.is_finite()) {
+                return Err(Error::Argument(format!(
+                    "the target of vertex {vertex} is not finite: {target:?}"
+                )));
+            }
+            if self.firmness[entry].is_finite() {
+                continue;
+            }
+            let other: &[f64; 3] = first[vertex].get_or_insert(target);
+            if (0..3).any(|axis| (other[axis] - target[axis]).abs() > self.closeness) {
+                return Err(Error::Argument(format!(
+                    "vertex {vertex} has two exact targets, {other:?} and {target:?}"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn checked_indices(indices: &[i64], vertex_count: usize) -> Result<Vec<usize>> {
+    if indices.is_empty() {
+        return Err(Error::Argument("there are no constraints".into()));
+    }
+    let checked = indices.iter().map(|&index| match usize::try_from(index) {
+        Ok(vertex) if vertex < vertex_count => Ok(vertex),
+        _ => Err(Error::Argument(format!(
+            "a constraint refers to vertex {index}, but the vertices are 0 to {}",
+            vertex_count - 1
+        ))),
+    });
+    checked.collect()
+}
+
+fn firmness(weights: &[f64], indices: &[i64]) -> Result<Vec<f64>> {
+    if weights.len() != indices.len() {
+        return Err(Error::Argument(format!(
+            "there must be one weight per constrained vertex ({}), not {}",
+            indices.len(),
+            weights.len()
+        )));
+    }
+    let checked = weights.iter().zip(indices).map(|(&weight, vertex)| {
+        if weight > 0.0 && weight <= 1.0 {
+            Ok(weight / (1.0 - weight)) // infinite for 1
+        } else {
+            let message = format!("the weight of vertex {vertex} must be in (0, 1], not {weight}");
+            Err(Error::Argument(message))
+        }
+    });
+    checked.collect()
+}

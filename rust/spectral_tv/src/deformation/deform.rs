@@ -1,0 +1,153 @@
+//! One deformation, by the algorithm of choice.
+
+use ndarray::Array2;
+
+use crate::deformation::as_rigid_as_possible::as_rigid_as_possible;
+use crate::deformation::constraints::{Constraints, Targets};
+use crate::deformation::deformer::Deformer;
+use crate::deformation::problem::Problem;
+use crate::deformation::quadratic::{biharmonic, harmonic};
+use crate::deformation::reweighted::reweighted;
+use crate::error::{Error, Result};
+use crate::mesh::TriangleMesh;
+use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
+use crate::monitor::Stage;
+use crate::operators::{Discretization, positions, total_variation};
+
+/// ε of the dual field that certifies a displacement, relative to its mean gradient.
+const CERTIFICATE_SMOOTHING: f64 = 1e-3;
+
+/// How a deformation is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Algorithm {
+    /// The convex problem itself: least TV(d), to a duality gap.
+    Convex,
+    /// Algorithm 1 of Brokman et al. 2024: reweighted least squares of the subgradient.
+    Paper,
+    /// Least ∫|∇d|²: linear.
+    Harmonic,
+    /// Least ∫|Δd|²: linear, smooth at the handles.
+    Biharmonic,
+    /// As-rigid-as-possible surface modeling (Sorkine and Alexa 2007).
+    AsRigidAsPossible,
+}
+
+/// How to deform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The algorithm.
+    pub algorithm: Algorithm,
+    /// Width of the stretched zone, a length; for the convex algorithm only.
+    pub softness: f64,
+    /// Relative duality gap of the convex algorithm; for the iterative others, the movement of a
+    /// vertex at which they end, relative to the spread of the displacements asked for.
+    pub tolerance: f64,
+}
+
+/// A displacement that meets constraints.
+#[derive(Debug, Clone)]
+pub struct Deformation {
+    /// d = S′ − S, (3, V), length.
+    pub displacement: Array2<f64>,
+    /// TV(d), length².
+    pub total_variation: f64,
+    /// A certificate: how far the energy can be above the least, relative to itself.
+    pub gap: f64,
+    /// Iterations: systems solved for the convex algorithm and the paper's.
+    pub iterations: usize,
+}
+
+/// Takes the constrained vertices of `mesh` to `targets` (K positions).
+///
+/// # Errors
+/// If the targets do not fit the constraints (their number; finite; no two for one vertex), the
+/// tolerance is not in (0, 1), softness is negative or goes with another algorithm than the
+/// convex one, a system cannot be solved; or [`Error::Cancelled`].
+pub fn deform(
+    mesh: &TriangleMesh,
+    constraints: Constraints,
+    targets: &[[f64; 3]],
+    settings: Settings,
+    stage: Stage,
+) -> Result<Deformation> {
+    let Settings {
+        algorithm,
+        softness,
+        tolerance,
+    } = settings;
+    check_tolerance(tolerance)?;
+    if algorithm == Algorithm::Convex {
+        return Deformer::new(mesh, constraints, softness)?.solve(targets, tolerance, stage);
+    }
+    if softness != 0.0 {
+        return Err(Error::Argument(
+            "softness is for the convex algorithm only".into(),
+        ));
+    }
+    let targets = constraints.targets(targets)?;
+    let operators = Discretization::new(mesh);
+    let problem = Problem {
+        operators: &operators,
+        targets: &targets,
+        fixed: &constraints.fixed,
+        variation: Variation::smoothed(0.0),
+    };
+    stage.report(0.0)?;
+    if targets.radius == 0.0 {
+        return Ok(carried(&targets, &constraints));
+    }
+    let (displacement, iterations) = match algorithm {
+        Algorithm::Harmonic => (harmonic(problem)?, 1),
+        Algorithm::Biharmonic => (biharmonic(problem)?, 1),
+        Algorithm::Paper => reweighted(problem, tolerance, stage)?,
+        Algorithm::Convex | Algorithm::AsRigidAsPossible => {
+            as_rigid_as_possible(problem, &positions(mesh), tolerance, stage)?
+        }
+    };
+    stage.report(1.0)?;
+    Ok(Deformation {
+        total_variation: total_variation(operators.gradient(), displacement.view()),
+        gap: certified_gap(problem, &displacement)?,
+        displacement,
+        iterations,
+    })
+}
+
+/// Where all constraints ask for one displacement, everything follows it.
+pub(super) fn carried(targets: &Targets, constraints: &Constraints) -> Deformation {
+    let displacement =
+        Array2::from_shape_fn(
+            targets.displacements.dim(),
+            |(axis, vertex)| match constraints.floating[vertex] {
+                true => 0.0,
+                false => targets.centre[axis],
+            },
+        );
+    Deformation {
+        displacement,
+        total_variation: 0.0,
+        gap: 0.0,
+        iterations: 0,
+    }
+}
+
+/// The gap that the dual field nearest to ∇d/|∇d| proves.
+fn certified_gap(problem: Problem, displacement: &Array2<f64>) -> Result<f64> {
+    let gradient = problem.operators.gradient();
+    let variation = total_variation(gradient, displacement.view());
+    let mean = variation / problem.operators.area();
+    if mean == 0.0 {
+        return Ok(0.0);
+    }
+    let smoothed = Variation::smoothed(CERTIFICATE_SMOOTHING * mean);
+    let weights = |norms: &[f64]| smoothed.weights(norms);
+    let energy = problem.energy(&weights);
+    let slope = energy.slope(displacement.view());
+    let mut newton = PrimalDualNewton::new(problem.operators, 3)?;
+    newton.set_dual(&energy, &slope, energy.slope(displacement.view()).fluxes());
+    newton.reweighted(&energy, &slope, &Array2::zeros(displacement.dim()))?;
+    Ok(problem.gap(
+        displacement,
+        &newton.balanced_dual(&energy, &slope, displacement),
+    ))
+}

@@ -1,0 +1,229 @@
+//! A deformation that is kept alive: solved, dragged, refined.
+
+use ndarray::Array2;
+
+use crate::deformation::constraints::{Constraints, Targets};
+use crate::deformation::deform::{Deformation, carried};
+use crate::deformation::problem::Problem;
+use crate::error::{Error, Result};
+use crate::mesh::TriangleMesh;
+use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
+use crate::monitor::Stage;
+use crate::operators::{Discretization, total_variation};
+
+/// Shrinkage of the smoothing ε from one iteration to the next, down to its goal.
+const CONTINUATION: f64 = 0.2;
+/// The first goal of ε, relative to the tolerance times the energy over the area: it costs about half the
+/// tolerance.
+const GOAL: f64 = 2.5;
+/// Where the problem for the present ε is solved to this part of the tolerance and the gap is
+/// still above it, the goal is lowered.
+const SOLVED: f64 = 0.1;
+const MOST_ITERATIONS: usize = 100;
+/// ε while dragging, relative to the energy over the area.
+const DRAG_EPSILON: f64 = 1e-3;
+/// Gradients below this, relative to the displacements over the size, are rounding.
+const UNSTRETCHED: f64 = 1e-9;
+/// Progress is shown as nearing the end by this factor an iteration.
+const PROGRESS: f64 = 0.87;
+
+/// The displacement of least total variation under constraints whose targets may move.
+///
+/// The analysis of the systems, the last displacement and its dual field are kept, so that every
+/// solution starts from the last one.
+pub struct Deformer {
+    handles: Handles,
+    newton: PrimalDualNewton,
+    state: Array2<f64>,
+    is_at_rest: bool,
+}
+
+/// What stays while targets move.
+struct Handles {
+    operators: Discretization,
+    constraints: Constraints,
+    softness: f64,
+}
+
+impl Handles {
+    fn problem<'a>(&'a self, targets: &'a Targets, epsilon: f64) -> Problem<'a> {
+        Problem {
+            operators: &self.operators,
+            targets,
+            fixed: &self.constraints.fixed,
+            variation: Variation {
+                epsilon,
+                steepest: targets.spread() / self.softness, // infinite for 0
+            },
+        }
+    }
+}
+
+impl Deformer {
+    /// Prepares `mesh` for deformation. `softness` is the width of the stretched zone, a length;
+    /// 0 stretches no more than a ring of triangles.
+    ///
+    /// # Errors
+    /// If softness is negative or not finite, or memory does not suffice.
+    pub fn new(mesh: &TriangleMesh, constraints: Constraints, softness: f64) -> Result<Self> {
+        if !(softness >= 0.0 && softness.is_finite()) {
+            return Err(Error::Argument(format!(
+                "softness must be a length, 0 or more, not {softness}"
+            )));
+        }
+        let operators = Discretization::new(mesh);
+        Ok(Self {
+            newton: PrimalDualNewton::new(&operators, 3)?,
+            state: Array2::zeros((3, mesh.vertex_count())),
+            is_at_rest: true,
+            handles: Handles {
+                operators,
+                constraints,
+                softness,
+            },
+        })
+    }
+
+    /// The optimum for the target `positions` of the constraints, to a duality gap of `tolerance`
+    /// relative to the energy.
+    ///
+    /// # Errors
+    /// As [`Self::drag`]; for a tolerance not in (0, 1); [`Error::Cancelled`], after which the
+    /// deformer can go on from where it was.
+    pub fn solve(
+        &mut self,
+        positions: &[[f64; 3]],
+        tolerance: f64,
+        stage: Stage,
+    ) -> Result<Deformation> {
+        check_tolerance(tolerance)?;
+        let targets = self.handles.constraints.targets(positions)?;
+        if targets.radius == 0.0 {
+            return Ok(self.carry(&targets));
+        }
+        let mut goal = GOAL * tolerance;
+        let mut smoothing = if self.is_at_rest { 1.0 } else { goal };
+        let field = self.follow(&targets)?;
+        let mut gap = self.gap(&targets, 0.0, &field);
+        let mut iterations = 1;
+        while gap > tolerance && iterations < MOST_ITERATIONS {
+            stage.report(1.0 - PROGRESS.powi(iterations as i32))?;
+            let epsilon = smoothing * self.gradient_scale(&targets);
+            let slope = self.iterate(&targets, epsilon)?;
+            iterations += 1;
+            if smoothing > goal {
+                smoothing = (CONTINUATION * smoothing).max(goal);
+                continue;
+            }
+            let field = self.balanced_dual(&targets, &slope);
+            gap = self.gap(&targets, 0.0, &field);
+            if self.gap(&targets, epsilon, &field) < SOLVED * tolerance {
+                goal *= CONTINUATION;
+                smoothing = goal;
+            }
+        }
+        stage.report(1.0)?;
+        Ok(self.deformation(gap, iterations))
+    }
+
+    /// One reweighted solution for new target `positions`, starting from the last one: what there
+    /// is time for while a handle is dragged. After a small movement it is within some tenths of
+    /// a percent of the optimum; from rest it takes some calls to get there.
+    ///
+    /// # Errors
+    /// If there are not as many positions as constraints, one is not finite, two exact ones of a
+    /// vertex differ, or a system cannot be solved.
+    pub fn drag(&mut self, positions: &[[f64; 3]]) -> Result<Deformation> {
+        let targets = self.handles.constraints.targets(positions)?;
+        if targets.radius == 0.0 {
+            return Ok(self.carry(&targets));
+        }
+        let field = self.follow(&targets)?;
+        let gap = self.gap(&targets, 0.0, &field);
+        Ok(self.deformation(gap, 1))
+    }
+
+    /// Moves the fixed vertices to their targets and solves for the others with the weights of
+    /// the last state: L(w) d = 0, w = 1 at rest, which is the harmonic deformation. Returns
+    /// w ∇d, which is free of divergence and so a dual field, but for |z| ≤ 1.
+    fn follow(&mut self, targets: &Targets) -> Result<TangentField> {
+        let problem = self
+            .handles
+            .problem(targets, DRAG_EPSILON * self.gradient_scale(targets));
+        let norms = problem.operators.gradient().norms(self.state.view());
+        let weights = match self.is_at_rest {
+            true => vec![1.0; norms.len()],
+            false => problem.variation.weights(&norms),
+        };
+        let lagged = |_: &[f64]| weights.clone();
+        let energy = problem.energy(&lagged);
+        problem.place_fixed(&mut self.state);
+        let slope = energy.slope(self.state.view());
+        let descent = energy.descent(self.state.view(), &slope);
+        self.state += &self.newton.reweighted(&energy, &slope, &descent)?;
+        let field = energy.slope(self.state.view()).fluxes();
+        if !self.is_at_rest {
+            self.newton.set_dual(&energy, &slope, field.clone());
+        }
+        self.is_at_rest = false;
+        Ok(field)
+    }
+
+    /// Moves everything alike, which is as good as rest to start from.
+    fn carry(&mut self, targets: &Targets) -> Deformation {
+        let deformation = carried(targets, &self.handles.constraints);
+        self.state.assign(&deformation.displacement);
+        self.is_at_rest = true;
+        deformation
+    }
+
+    /// One iteration of primal–dual Newton for the smoothing ε; returns the slope it started from.
+    fn iterate(&mut self, targets: &Targets, epsilon: f64) -> Result<Slope> {
+        let problem = self.handles.problem(targets, epsilon);
+        let weights = |norms: &[f64]| problem.variation.weights(norms);
+        let energy = problem.energy(&weights);
+        let slope = energy.slope(self.state.view());
+        let descent = energy.descent(self.state.view(), &slope);
+        let direction = self.newton.direction(&energy, &slope, &descent)?;
+        let length = energy.line_search(&slope, &direction, &descent);
+        self.newton.update_dual(&energy, &slope, &direction);
+        self.state.scaled_add(length, &direction);
+        Ok(slope)
+    }
+
+    /// The dual field of the last iteration, made free of divergence.
+    fn balanced_dual(&mut self, targets: &Targets, slope: &Slope) -> TangentField {
+        let problem = self.handles.problem(targets, 0.0);
+        let weights = |norms: &[f64]| problem.variation.weights(norms);
+        let energy = problem.energy(&weights);
+        self.newton.balanced_dual(&energy, slope, &self.state)
+    }
+
+    /// Duality gap relative to the energy, TV being smoothed by ε.
+    fn gap(&self, targets: &Targets, epsilon: f64, field: &TangentField) -> f64 {
+        self.handles
+            .problem(targets, epsilon)
+            .gap(&self.state, field)
+    }
+
+    /// TV(d), length².
+    fn total_variation(&self) -> f64 {
+        total_variation(self.handles.operators.gradient(), self.state.view())
+    }
+
+    /// The energy over the area, against which ε is measured: it costs at most ε A.
+    fn gradient_scale(&self, targets: &Targets) -> f64 {
+        let area = self.handles.operators.area();
+        let energy = self.handles.problem(targets, 0.0).value(&self.state);
+        (energy / area).max(UNSTRETCHED * targets.spread() / area.sqrt())
+    }
+
+    fn deformation(&self, gap: f64, iterations: usize) -> Deformation {
+        Deformation {
+            displacement: self.state.clone(),
+            total_variation: self.total_variation(),
+            gap,
+            iterations,
+        }
+    }
+}

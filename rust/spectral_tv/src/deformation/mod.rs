@@ -1,0 +1,19 @@
+//! Deformation: some vertices are moved, and the surface follows in rigid pieces, the stretch
+//! going to its bottlenecks (Brokman et al. 2024, section "Shape Deformation").
+//!
+//! What is sought is the displacement d = S′ − S of least total variation among those that meet
+//! the constraints. [`Deformer`] solves that convex problem; the other algorithms are for
+//! comparison. A new one is a file, a variant of [`Algorithm`] and an arm in `deform`.
+
+mod as_rigid_as_possible;
+mod components;
+mod constraints;
+mod deform;
+mod deformer;
+mod problem;
+mod quadratic;
+mod reweighted;
+
+pub use constraints::Constraints;
+pub use deform::{Algorithm, Deformation, Settings, deform};
+pub use deformer::Deformer;

@@ -1,0 +1,124 @@
+//! The convex problem of one deformation, and the certificate of a solution.
+
+use ndarray::Array2;
+
+use crate::deformation::constraints::Targets;
+use crate::minimization::{Energy, TangentField, Variation, clipping_factors};
+use crate::operators::Discretization;
+
+/// An energy below this, relative to the displacements times the size, is rounding.
+const UNSTRETCHED: f64 = 1e-9;
+
+/// min Σ A Ψ(|∇d|) + ½ Σ κ |d − c|² over the displacements d (3, V) that are given at fixed
+/// vertices.
+#[derive(Clone, Copy)]
+pub(super) struct Problem<'a> {
+    pub operators: &'a Discretization,
+    pub targets: &'a Targets,
+    pub fixed: &'a [bool],
+    /// Ψ.
+    pub variation: Variation,
+}
+
+impl<'a> Problem<'a> {
+    /// The energy with the given face weights in place of those of Ψ.
+    pub fn energy(&self, weights: &'a dyn Fn(&[f64]) -> Vec<f64>) -> Energy<'a> {
+        Energy {
+            operators: self.operators,
+            weights,
+            least_weight: self.variation.least_weight(),
+            masses: &self.targets.springs,
+            data: &self.targets.displacements,
+            tau: 1.0,
+            fixed: self.fixed,
+        }
+    }
+
+    /// Sets `state` (3, V) at fixed vertices to what is asked for.
+    pub fn place_fixed(&self, state: &mut Array2<f64>) {
+        for (axis, mut row) in state.rows_mut().into_iter().enumerate() {
+            for (vertex, value) in row.iter_mut().enumerate() {
+                if self.fixed[vertex] {
+                    *value = self.targets.displacements[[axis, vertex]];
+                }
+            }
+        }
+    }
+
+    /// The value of the energy at a `state` (3, V) that meets the constraints, length².
+    pub fn value(&self, state: &Array2<f64>) -> f64 {
+        let gradient = self.operators.gradient();
+        let norms = gradient.norms(state.view());
+        let areas = gradient.face_areas().iter();
+        let variation: f64 = areas
+            .zip(norms)
+            .map(|(a, n)| a * self.variation.value(n))
+            .sum();
+        let mut penalty = 0.0;
+        for (row, asked) in state
+            .rows()
+            .into_iter()
+            .zip(self.targets.displacements.rows())
+        {
+            for ((value, asked), spring) in row.iter().zip(asked).zip(&self.targets.springs) {
+                penalty += 0.5 * spring * (value - asked).powi(2);
+            }
+        }
+        variation + penalty
+    }
+
+    /// How far the energy of `state` can be above the least, relative to it, by the bound that
+    /// `field` gives; 0 where nothing is stretched.
+    pub fn gap(&self, state: &Array2<f64>, field: &TangentField) -> f64 {
+        let value = self.value(state);
+        let scale = self.targets.radius * self.operators.area().sqrt();
+        match value <= UNSTRETCHED * scale {
+            true => 0.0,
+            false => ((value - self.lower_bound(field)) / value).max(0.0),
+        }
+    }
+
+    /// A lower bound of the energy of all displacements that meet the constraints, from a dual
+    /// `field`, which is clipped face by face to |z| ≤ 1 for TV.
+    ///
+    /// A minimiser lies in the convex hull of the displacements asked for, as projecting onto
+    /// that raises no term; so a field whose divergence does not vanish at a free vertex costs
+    /// no more than that divergence times the radius of a ball around the hull.
+    pub fn lower_bound(&self, field: &TangentField) -> f64 {
+        let gradient = self.operators.gradient();
+        let clip = match self.variation.steepest.is_infinite() {
+            true => clipping_factors(field),
+            false => vec![1.0; gradient.face_areas().len()],
+        };
+        let forces: Vec<_> = field
+            .iter()
+            .map(|channel| gradient.adjoint(|face| channel[face].map(|x| clip[face] * x)))
+            .collect();
+        let mut bound = self.conjugate(field);
+        for (vertex, &fixed) in self.fixed.iter().enumerate() {
+            let force: [f64; 3] = std::array::from_fn(|axis| forces[axis][vertex]);
+            let square: f64 = force.iter().map(|x| x * x).sum();
+            let towards = |point: [f64; 3]| (0..3).map(|i| force[i] * point[i]).sum::<f64>();
+            let asked = std::array::from_fn(|i| self.targets.displacements[[i, vertex]]);
+            let spring = self.targets.springs[vertex];
+            bound += if fixed {
+                towards(asked)
+            } else if spring > 0.0 {
+                towards(asked) - 0.5 * square / spring
+            } else {
+                towards(self.targets.centre) - self.targets.radius * square.sqrt()
+            };
+        }
+        bound
+    }
+
+    /// −Σ A Ψ*(|z|).
+    fn conjugate(&self, field: &TangentField) -> f64 {
+        let areas = self.operators.gradient().face_areas().iter();
+        let conjugates = areas.enumerate().map(|(face, area)| {
+            let square: f64 = field.iter().flat_map(|z| z[face]).map(|x| x * x).sum();
+            area * self.variation.negative_conjugate(square.sqrt())
+        });
+        conjugates.sum()
+    }
+}
