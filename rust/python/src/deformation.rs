@@ -50,7 +50,8 @@ impl Deformation {
         self.inner.iterations
     }
 
-    /// Vertices of connected components without any constraint, which stay, (U,).
+    /// Vertices of connected components without any constraint, (U,): each such piece moves
+    /// rigidly with the surface nearest to it.
     #[getter]
     fn unconstrained<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         self.unconstrained.to_vec().into_pyarray(py)

@@ -2,13 +2,12 @@
 
 use ndarray::Array2;
 
-use crate::deformation::components::connected_components;
+use crate::deformation::floating::Floating;
 use crate::error::{Error, Result};
 use crate::mesh::TriangleMesh;
 
-/// Two exact targets of one vertex that differ by more than this, relative to √area, contradict
-/// each other.
-const SAME_TARGET: f64 = 1e-9;
+/// Positions that differ by no more than this, relative to √area, are the same.
+const SAME_POSITION: f64 = 1e-9;
 /// A patch of this fraction of the area and weight ½ pulls as hard as a cut of length √area
 /// holds back.
 const PATCH: f64 = 0.01;
@@ -23,10 +22,9 @@ pub struct Constraints {
     /// What a spring of firmness 1 is at every vertex, times the spread of the displacements.
     spring: Vec<f64>,
     closeness: f64,
-    /// Vertices whose displacement is given: 0 for the floating ones.
+    /// Vertices that are not solved for: those with an exact target, and floating ones.
     pub(super) fixed: Vec<bool>,
-    /// Vertices of components without any constraint.
-    pub(super) floating: Vec<bool>,
+    pub(super) floating: Floating,
 }
 
 /// The displacements that constraints ask for.
@@ -64,26 +62,16 @@ impl Constraints {
             Some(weights) => firmness(weights, indices)?,
             None => vec![f64::INFINITY; vertices.len()],
         };
-        let components = connected_components(count, mesh.triangles());
-        let mut is_held = vec![false; count];
-        let mut fixed = vec![false; count];
+        let floating = Floating::new(mesh, vertices.iter().copied());
+        let mut fixed = floating.is_floating.clone();
         for (&vertex, firmness) in vertices.iter().zip(&firmness) {
-            is_held[components[vertex] as usize] = true;
             fixed[vertex] |= firmness.is_infinite();
         }
-        let floating: Vec<bool> = components.iter().map(|&c| !is_held[c as usize]).collect();
-        if fixed
-            .iter()
-            .zip(&floating)
-            .all(|(&fixed, &floating)| fixed || floating)
-        {
+        if fixed.iter().all(|&fixed| fixed) {
             return Err(Error::Argument(
                 "every vertex that could move is constrained exactly; nothing is left to deform"
                     .into(),
             ));
-        }
-        for (fixed, &floating) in fixed.iter_mut().zip(&floating) {
-            *fixed |= floating;
         }
         let size = mesh.area().sqrt();
         let areas = mesh.vertex_areas().iter();
@@ -92,15 +80,16 @@ impl Constraints {
             positions: vertices.iter().map(|&v| mesh.vertices()[v]).collect(),
             vertices,
             spring: areas.map(|area| area / (PATCH * size)).collect(),
-            closeness: SAME_TARGET * size,
+            closeness: SAME_POSITION * size,
             fixed,
             floating,
         })
     }
 
-    /// Vertices of connected components without any constraint: they stay where they are.
+    /// Vertices of connected components without any constraint: each such piece moves rigidly
+    /// with the surface nearest to it.
     pub fn floating(&self) -> &[bool] {
-        &self.floating
+        &self.floating.is_floating
     }
 
     /// The displacements that take every constrained vertex to its target.
@@ -131,11 +120,15 @@ impl Constraints {
             }
         }
         let centre = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
-        let radius = 0.5
-            * (0..3)
-                .map(|i| (high[i] - low[i]).powi(2))
-                .sum::<f64>()
-                .sqrt();
+        let diagonal = (0..3)
+            .map(|i| (high[i] - low[i]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        let radius = if diagonal > self.closeness {
+            0.5 * diagonal
+        } else {
+            0.0
+        };
         let scale = |spring: f64| {
             if radius > 0.0 {
                 spring / (2.0 * radius)

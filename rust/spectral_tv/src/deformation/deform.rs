@@ -49,7 +49,7 @@ pub struct Settings {
 pub struct Deformation {
     /// d = S′ − S, (3, V), length.
     pub displacement: Array2<f64>,
-    /// TV(d), length².
+    /// TV(d), length², pieces without any constraint left out.
     pub total_variation: f64,
     /// A certificate: how far the energy can be above the least, relative to itself.
     pub gap: f64,
@@ -94,9 +94,9 @@ pub fn deform(
     };
     stage.report(0.0)?;
     if targets.radius == 0.0 {
-        return Ok(carried(&targets, &constraints));
+        return Ok(carried(&targets));
     }
-    let (displacement, iterations) = match algorithm {
+    let (mut displacement, iterations) = match algorithm {
         Algorithm::Harmonic => (harmonic(problem)?, 1),
         Algorithm::Biharmonic => (biharmonic(problem)?, 1),
         Algorithm::Paper => reweighted(problem, tolerance, stage)?,
@@ -105,24 +105,21 @@ pub fn deform(
         }
     };
     stage.report(1.0)?;
+    let total_variation = total_variation(operators.gradient(), displacement.view());
+    let gap = certified_gap(problem, &displacement)?;
+    constraints.floating.carry(&mut displacement);
     Ok(Deformation {
-        total_variation: total_variation(operators.gradient(), displacement.view()),
-        gap: certified_gap(problem, &displacement)?,
         displacement,
+        total_variation,
+        gap,
         iterations,
     })
 }
 
 /// Where all constraints ask for one displacement, everything follows it.
-pub(super) fn carried(targets: &Targets, constraints: &Constraints) -> Deformation {
-    let displacement =
-        Array2::from_shape_fn(
-            targets.displacements.dim(),
-            |(axis, vertex)| match constraints.floating[vertex] {
-                true => 0.0,
-                false => targets.centre[axis],
-            },
-        );
+pub(super) fn carried(targets: &Targets) -> Deformation {
+    let dimensions = targets.displacements.dim();
+    let displacement = Array2::from_shape_fn(dimensions, |(axis, _)| targets.centre[axis]);
     Deformation {
         displacement,
         total_variation: 0.0,

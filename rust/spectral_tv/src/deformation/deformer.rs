@@ -171,8 +171,8 @@ impl Deformer {
 
     /// Moves everything alike, which is as good as rest to start from.
     fn carry(&mut self, targets: &Targets) -> Deformation {
-        let deformation = carried(targets, &self.handles.constraints);
-        self.state.assign(&deformation.displacement);
+        let deformation = carried(targets);
+        self.state.fill(0.0);
         self.is_at_rest = true;
         deformation
     }
@@ -219,8 +219,10 @@ impl Deformer {
     }
 
     fn deformation(&self, gap: f64, iterations: usize) -> Deformation {
+        let mut displacement = self.state.clone();
+        self.handles.constraints.floating.carry(&mut displacement);
         Deformation {
-            displacement: self.state.clone(),
+            displacement,
             total_variation: self.total_variation(),
             gap,
             iterations,

@@ -6,10 +6,10 @@
 //! comparison. A new one is a file, a variant of [`Algorithm`] and an arm in `deform`.
 
 mod as_rigid_as_possible;
-mod components;
 mod constraints;
 mod deform;
 mod deformer;
+mod floating;
 mod problem;
 mod quadratic;
 mod reweighted;

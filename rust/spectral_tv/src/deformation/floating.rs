@@ -1,0 +1,114 @@
+//! Connected components without any constraint: they follow the surface nearest to them.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use ndarray::Array2;
+use petgraph::unionfind::UnionFind;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use crate::mesh::TriangleMesh;
+
+/// Iterations of the polar decomposition, which starts from no rotation.
+const ROTATION_ITERATIONS: usize = 100;
+
+/// The pieces that nothing holds, such as the eyes of a head.
+#[derive(Debug, Clone)]
+pub(super) struct Floating {
+    /// Of every vertex, whether it is of such a piece.
+    pub is_floating: Vec<bool>,
+    pieces: Vec<Vec<Follower>>,
+}
+
+/// A floating vertex and the vertex nearest to it on what is held.
+#[derive(Debug, Clone)]
+struct Follower {
+    vertex: usize,
+    position: Vector3<f64>,
+    nearest: usize,
+    nearest_position: Vector3<f64>,
+}
+
+impl Floating {
+    /// The components of `mesh` in which no vertex is in `held`.
+    pub fn new(mesh: &TriangleMesh, held: impl Iterator<Item = usize>) -> Self {
+        let components = connected_components(mesh);
+        let mut is_held = vec![false; mesh.vertex_count()];
+        for vertex in held {
+            is_held[components[vertex] as usize] = true;
+        }
+        let is_floating: Vec<bool> = components.iter().map(|&c| !is_held[c as usize]).collect();
+        Self {
+            pieces: followers(mesh, &components, &is_floating),
+            is_floating,
+        }
+    }
+
+    /// Moves every piece by the rigid motion that fits the `displacement` (3, V) of the surface
+    /// nearest to it.
+    pub fn carry(&self, displacement: &mut Array2<f64>) {
+        for piece in &self.pieces {
+            let moved = |follower: &Follower| {
+                let at = |axis: usize, _| displacement[[axis, follower.nearest]];
+                follower.nearest_position + Vector3::from_fn(at)
+            };
+            let scale = 1.0 / piece.len() as f64;
+            let before: Vector3<f64> = piece.iter().map(|f| f.nearest_position).sum();
+            let after: Vector3<f64> = piece.iter().map(moved).sum();
+            let (before, after) = (before * scale, after * scale);
+            let mut covariance = Matrix3::zeros();
+            let mut spread = 0.0;
+            for follower in piece {
+                let arm = follower.nearest_position - before;
+                covariance += (moved(follower) - after) * arm.transpose();
+                spread += arm.norm_squared();
+            }
+            let rotation = match spread > 0.0 {
+                true => Rotation3::from_matrix_eps(
+                    &(covariance / spread),
+                    f64::EPSILON,
+                    ROTATION_ITERATIONS,
+                    Rotation3::identity(),
+                ),
+                false => Rotation3::identity(),
+            };
+            for follower in piece {
+                let target = after + rotation * (follower.position - before);
+                for axis in 0..3 {
+                    let change = target[axis] - follower.position[axis];
+                    displacement[[axis, follower.vertex]] = change;
+                }
+            }
+        }
+    }
+}
+
+/// A label for every vertex that is the same within a connected component. A vertex in no
+/// triangle is a component of its own.
+fn connected_components(mesh: &TriangleMesh) -> Vec<u32> {
+    let mut components = UnionFind::new(mesh.vertex_count());
+    for &[i, j, k] in mesh.triangles() {
+        components.union(i, j);
+        components.union(j, k);
+    }
+    components.into_labeling()
+}
+
+fn followers(mesh: &TriangleMesh, components: &[u32], is_floating: &[bool]) -> Vec<Vec<Follower>> {
+    let vertices = mesh.vertices();
+    let held = (0..vertices.len()).filter(|&vertex| !is_floating[vertex]);
+    let tree = RTree::bulk_load(held.map(|v| GeomWithData::new(vertices[v], v)).collect());
+    let mut pieces: Vec<Vec<Follower>> = vec![Vec::new(); vertices.len()];
+    for vertex in (0..vertices.len()).filter(|&vertex| is_floating[vertex]) {
+        let Some(nearest) = tree.nearest_neighbor(&vertices[vertex]) else {
+            continue;
+        };
+        pieces[components[vertex] as usize].push(Follower {
+            vertex,
+            position: Vector3::from(vertices[vertex]),
+            nearest: nearest.data,
+            nearest_position: Vector3::from(*nearest.geom()),
+        });
+    }
+    pieces.retain(|piece| !piece.is_empty());
+    pieces
+}
