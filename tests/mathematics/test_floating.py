@@ -13,7 +13,9 @@ def scene():
     """A dumbbell with an eye on its upper ball and a loose vertex beside its lower one."""
     body, faces = dumbbell(n_around=24, n_along=48)
     eye, eye_faces = icosphere(1, 0.15)
-    vertices = np.vstack([body, eye + [1.05, 0, body[:, 2].max() - 1], [[1.2, 0, body[0, 2]]]])
+    vertices = np.vstack(
+        [body, eye + np.array([1.05, 0, body[:, 2].max() - 1]), [[1.2, 0, body[0, 2]]]]
+    )
     vertices[-1] = [0, 0, body[:, 2].min() - 0.1]
     triangles = np.vstack([faces, eye_faces + len(body)])
     top = np.flatnonzero(body[:, 2] > 0.7)
@@ -41,5 +43,5 @@ def test_they_move_rigidly_with_the_nearest_surface(scene, algorithm):
 def test_they_come_along_where_everything_moves_alike(scene):
     mesh, vertices, bottom, _, _ = scene
     result = spectral_tv.deform(mesh, bottom, vertices[bottom] + [1, 2, 3])
-    np.testing.assert_allclose(result.vertices, vertices + [1, 2, 3], atol=1e-12)
+    np.testing.assert_allclose(result.vertices, vertices + np.array([1, 2, 3]), atol=1e-12)
     assert result.total_variation == 0 and result.gap == 0
