@@ -15,7 +15,7 @@ from .surface import Surface, basis_coordinates
 
 # Flows of this session, so that bands are cut anew without flowing again; the last few only,
 # as each holds all states.
-_flows: dict[str, tuple[spectral_tv.Decomposition, np.ndarray]] = {}
+_flows: dict[str, tuple[spectral_tv.Decomposition, Surface]] = {}
 MOST_FLOWS = 4
 
 
@@ -77,9 +77,9 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
         raise Refusal("its flow is no longer in memory; decompose it again")
     if topology_digest(obj.data) != record.topology:
         raise Refusal("its vertices or faces changed since; decompose it again")
-    split, inverse = _flows[record.identifier]
+    split, surface = _flows[record.identifier]
     edges = split.band_edges(count)
-    displacements = split.bands(edges) @ inverse.T
+    displacements = surface.to_object(split.bands(edges))
     for key in band_keys(obj):
         if key is not None:
             obj.shape_key_remove(key)
@@ -118,7 +118,7 @@ def _record(obj, settings, surface, split) -> None:
         sample.time, sample.strength = time, strength
     while len(_flows) >= MOST_FLOWS:
         del _flows[next(iter(_flows))]
-    _flows[record.identifier] = split, surface.inverse
+    _flows[record.identifier] = split, surface
 
 
 def _write(

@@ -8,19 +8,24 @@ import spectral_tv
 
 from .objects import Refusal
 from .records import coordinates
+from .seams import close
 
 
 @dataclass(frozen=True)
 class Surface:
-    """The Basis shape of a mesh object as triangles in world scale.
+    """The Basis shape of a mesh object as triangles in world scale, its seams closed.
 
     ``mesh`` has the rotation and scale of the object applied, not its location; ``matrix``
-    (3, 3) is what was applied, ``inverse`` takes displacements back to object space.
+    (3, 3) is what was applied, ``inverse`` takes displacements back to object space. Its vertices
+    are those of the object that ``kept`` names; ``place`` tells where every vertex of the object
+    is among them.
     """
 
     mesh: spectral_tv.Mesh
     matrix: np.ndarray
     inverse: np.ndarray
+    kept: np.ndarray
+    place: np.ndarray
 
     @classmethod
     def read(cls, obj: bpy.types.Object) -> "Surface":
@@ -32,17 +37,21 @@ class Surface:
         to_world = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
         if np.linalg.matrix_rank(to_world) < 3:
             raise Refusal("its scale is zero along an axis")
-        vertices = basis_coordinates(obj.data) @ to_world.T
-        mesh = spectral_tv.Mesh(vertices, triangles(obj.data))
-        return cls(mesh, to_world, np.linalg.inv(to_world))
+        vertices, corners = basis_coordinates(obj.data), triangles(obj.data)
+        if np.isfinite(vertices).all():
+            kept, place = close(vertices, corners)
+        else:  # refused below, with the number of the vertex in the object
+            kept = place = np.arange(len(vertices))
+        mesh = spectral_tv.Mesh(vertices[kept] @ to_world.T, place[corners])
+        return cls(mesh, to_world, np.linalg.inv(to_world), kept, place)
 
     def to_world(self, vertices: np.ndarray) -> np.ndarray:
-        """Object-space positions (V, 3) in the space of the mesh."""
-        return vertices @ self.matrix.T
+        """Object-space positions of the object's vertices as positions of the mesh's."""
+        return vertices[self.kept] @ self.matrix.T
 
     def to_object(self, displacements: np.ndarray) -> np.ndarray:
-        """Displacements (..., V, 3) of the mesh in object space."""
-        return displacements @ self.inverse.T
+        """Displacements (K, N, 3) of the mesh's vertices as those of the object's, (K, V, 3)."""
+        return (displacements @ self.inverse.T)[:, self.place]
 
 
 def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:

@@ -1,17 +1,13 @@
 """Reading and writing files by their suffix, with whatever operators this Blender has."""
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import bmesh
 import bpy
-import numpy as np
 
 from ..objects import Refusal
-from ..surface import basis_coordinates
 
 
 @dataclass(frozen=True)
@@ -22,8 +18,6 @@ class Format:
     exporters: tuple[str, ...]
     selection: str
     options: dict[str, Any] = field(default_factory=dict)
-    # Whether it stores a vertex once per normal or texture coordinate, which tears the surface.
-    is_split: bool = False
 
 
 _GLTF = ("import_scene.gltf",), ("export_scene.gltf",), "use_selection"
@@ -36,11 +30,11 @@ _USD = Format(
 )
 BLEND = ".blend"
 FORMATS = {
-    ".ply": Format(("wm.ply_import",), ("wm.ply_export",), "export_selected_objects", {}, True),
+    ".ply": Format(("wm.ply_import",), ("wm.ply_export",), "export_selected_objects"),
     ".stl": Format(("wm.stl_import",), ("wm.stl_export",), "export_selected_objects"),
     ".obj": Format(("wm.obj_import",), ("wm.obj_export",), "export_selected_objects"),
-    ".glb": Format(*_GLTF, {"export_format": "GLB"}, True),
-    ".gltf": Format(*_GLTF, {"export_format": "GLTF_SEPARATE"}, True),
+    ".glb": Format(*_GLTF, {"export_format": "GLB"}),
+    ".gltf": Format(*_GLTF, {"export_format": "GLTF_SEPARATE"}),
     ".fbx": Format(("wm.fbx_import", "import_scene.fbx"), ("export_scene.fbx",), "use_selection"),
     ".usd": _USD,
     ".usda": _USD,
@@ -87,8 +81,6 @@ def load(path: Path) -> None:
     _call(_first(form.importers), "Blender cannot import it", filepath=str(path))
     for obj in bpy.context.scene.objects:
         _freeze(obj)
-        if form.is_split and obj.type == "MESH":
-            _weld(obj.data)
     bpy.context.view_layer.update()
 
 
@@ -146,41 +138,3 @@ def _freeze(obj: bpy.types.Object) -> None:
     for modifier in list(obj.modifiers):
         if modifier.type == "MESH_SEQUENCE_CACHE":
             obj.modifiers.remove(modifier)
-
-
-def _weld(mesh: bpy.types.Mesh) -> None:
-    """Merge the vertices that are at exactly the same place."""
-    if not mesh.vertices:
-        return
-    _, first, place = np.unique(
-        basis_coordinates(mesh) + 0.0, axis=0, return_index=True, return_inverse=True
-    )
-    kept = first[place.ravel()]
-    doubles = np.flatnonzero(kept != np.arange(len(kept)))
-    if len(doubles) == 0:
-        return
-    with _kept_normals(mesh):
-        welded = bmesh.new()
-        welded.from_mesh(mesh)
-        welded.verts.ensure_lookup_table()
-        targets = {welded.verts[double]: welded.verts[kept[double]] for double in doubles}
-        bmesh.ops.weld_verts(welded, targetmap=targets)
-        welded.to_mesh(mesh)
-        welded.free()
-
-
-@contextmanager
-def _kept_normals(mesh: bpy.types.Mesh) -> Iterator[None]:
-    """Carry custom normals through a change of the vertices, which they are stored relative to."""
-    if not mesh.has_custom_normals:
-        yield
-        return
-    normals = np.empty(3 * len(mesh.loops), dtype=np.float32)
-    mesh.corner_normals.foreach_get("vector", normals)
-    name = mesh.attributes.new("normals to keep", "FLOAT_VECTOR", "CORNER").name
-    mesh.attributes[name].data.foreach_set("vector", normals)
-    yield
-    normals = np.empty(3 * len(mesh.loops), dtype=np.float32)
-    mesh.attributes[name].data.foreach_get("vector", normals)
-    mesh.attributes.remove(mesh.attributes[name])
-    mesh.normals_split_custom_set(normals.reshape(-1, 3).tolist())
