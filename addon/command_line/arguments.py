@@ -74,10 +74,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "that bands hold, in percent of the object's size")  # fmt: skip
     add(
         "--base",
-        choices=("flow", "flat"),
-        default="flow",
-        help="from what m3 measures detail: the object smoothed, or flattened along its Z axis",
+        metavar="{flow,flat,KEY}",
+        help="from what m3 measures detail: the object smoothed (default), the object flattened "
+        "along its Z axis, or a shape key by its name",
     )
+    add("--base-amount", metavar="PERCENT", type=_percent, help="size of the features that vanish "
+        "from the smoothed base, in percent of the object's size")  # fmt: skip
+    add("--vertex-group", metavar="NAME", default="", help="limits where the bands have an effect")
     add(
         "--gain",
         metavar="BAND=GAIN",
@@ -98,13 +101,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def settings(choices: argparse.Namespace) -> Settings:
     """The settings that the arguments ask for."""
+    base = choices.base or "flow"
+    is_key = base not in ("flow", "flat")
     return Settings(
         method=choices.method.upper(),
         bands=choices.bands,
         steps=choices.steps,
         finest=choices.finest,
         largest=choices.largest,
-        base=choices.base.upper(),
+        base="KEY" if is_key else base.upper(),
+        base_amount=choices.base_amount or 0.0,
+        base_key=base if is_key else "",
+        vertex_group=choices.vertex_group,
     )
 
 
@@ -128,6 +136,10 @@ def complaint(choices: argparse.Namespace) -> str | None:
         return f"{choices.bands} bands need more than {choices.steps} steps"
     if 0 < choices.largest <= choices.finest:
         return "--largest has to be larger than --finest"
+    if choices.method != "m3" and (choices.base or choices.base_amount):
+        return "--base and --base-amount go with --method m3"
+    if choices.base_amount and choices.base not in (None, "flow"):
+        return "--base-amount goes with the smoothed base, --base flow"
     for band, _ in choices.gains:
         if band is not None and band > choices.bands:
             return f"there is no band {band} among {choices.bands}"

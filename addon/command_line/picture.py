@@ -84,18 +84,23 @@ def _add_lights(scene: bpy.types.Scene, turn: Euler) -> None:
         )
         scene.collection.objects.link(lamp)
     scene.world = bpy.data.worlds.new("Picture")
-    scene.world.use_nodes = True
+    _use_nodes(scene.world)
     scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = AMBIENT
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.9, 0.95, 1, 1)
 
 
 def _clay() -> bpy.types.Material:
     material = bpy.data.materials.new("Clay")
-    material.use_nodes = True
+    _use_nodes(material)
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = CLAY
     shader.inputs["Roughness"].default_value = 0.75
     return material
+
+
+def _use_nodes(data: bpy.types.World | bpy.types.Material) -> None:
+    if data.node_tree is None:  # before Blender 5, where setting it is deprecated
+        data.use_nodes = True
 
 
 def _set_output(scene: bpy.types.Scene, path: Path) -> None:

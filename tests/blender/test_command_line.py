@@ -65,18 +65,46 @@ def test_gains_and_curve(tmp_path: Path, filters, expected):
     np.testing.assert_allclose(band_values(meshes()[0]), expected, atol=1e-6)
 
 
-def test_flat_base_moves_along_z_alone(tmp_path: Path):
+def moves(target: Path, base: str, *choices: str) -> np.ndarray:
+    """Displacements of the bands, (3, V, 3), that m3 gives a relief with a key and a group."""
+    empty()
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=20, y_subdivisions=20)
-    for vertex in bpy.context.object.data.vertices:
+    relief = bpy.context.object
+    for vertex in relief.data.vertices:
         vertex.co.z = 0.2 * np.sin(6 * vertex.co.x)
-    path, target = tmp_path / "relief.blend", tmp_path / "out.blend"
+    relief.vertex_groups.new(name="Some").add(range(9), 1.0, "REPLACE")
+    relief.shape_key_add(name="Basis")
+    tilted = relief.shape_key_add(name="Tilted", from_mix=False)
+    for point in tilted.data:
+        point.co.z = 0.3 * point.co.y
+    path = target.with_name("relief.blend")
     bpy.data.libraries.write(str(path), {bpy.context.scene})
-    choices = ["--method", "m3", "--base", "flat", *QUICK]
-    assert run(["decompose", str(path), "-o", str(target), *choices]) == 0
+    arguments = ["--method", "m3", "--base", base, *QUICK, *choices]
+    assert run(["decompose", str(path), "-o", str(target), *arguments]) == 0
     load(target)
-    keys = meshes()[0].data.shape_keys.key_blocks
-    moves = np.array([a.co - b.co for a, b in zip(keys[3].data, keys[0].data, strict=True)])
-    assert np.abs(moves[:, :2]).max() < 1e-6 < np.abs(moves[:, 2]).max()
+    basis, *keys = (
+        np.array([point.co for point in key.data])
+        for key in meshes()[0].data.shape_keys.key_blocks
+        if key.name != "Tilted"
+    )
+    return np.array(keys) - basis
+
+
+def test_bases_of_m3(tmp_path: Path):
+    target = tmp_path / "out.blend"
+    flat = moves(target, "flat")
+    assert np.abs(flat[..., :2]).max() < 1e-6 < np.abs(flat[..., 2]).max()
+    tilted = moves(target, "Tilted")
+    # Displacements are along the lines from the base, which lies at x and y of the relief too.
+    assert np.abs(tilted[..., :2]).max() < 1e-6 < np.abs(tilted - flat).max()
+    smoothed, more = (moves(target, "flow", "--base-amount", size) for size in ("2", "20%"))
+    assert np.abs(smoothed - flat).max() > 1e-6 < np.abs(smoothed - more).max()
+
+
+def test_vertex_group_limits_the_bands(tmp_path: Path):
+    target = tmp_path / "out.blend"
+    moves(target, "flat", "--vertex-group", "Some")
+    assert [key.vertex_group for key in meshes()[0].data.shape_keys.key_blocks[2:]] == ["Some"] * 3
 
 
 def test_progress_in_lines(tmp_path: Path, capfd):

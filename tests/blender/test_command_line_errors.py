@@ -8,10 +8,13 @@ import bpy
 import pytest
 from command_line_files import (
     QUICK,
+    decompose,
     empty,
     run,
     write_monkey,
 )
+
+FLAT = ["--method", "m3", "--base", "flat"]
 
 
 @pytest.fixture(autouse=True)
@@ -80,6 +83,8 @@ def test_what_cannot_be_decomposed_names_object_and_reason(monkey, tmp_path: Pat
         (["decompose", "IN", "-o", "x.ply", "--gain", "1=nan"], "not a number from -9 to 11"),
         (["decompose", "IN", "-o", "x.ply", "--curve", "0:1,0:2"], "have to increase"),
         (["decompose", "IN", "-o", "x.ply", "--finest", "9", "--largest", "5"], "--largest"),
+        (["decompose", "IN", "-o", "x.ply", "--base", "flat"], "go with --method m3"),
+        (["decompose", "IN", "-o", "x.ply", *FLAT, "--base-amount", "9"], "the smoothed base"),
         (["decompose", "IN", "-o", "x.doc"], "writes no .doc"),
         (["decompose", "IN", "-o", "nowhere/x.ply"], "no folder nowhere"),
         (["decompose", "IN", "-o", "x.ply", "--format", "stl"], "--format goes with"),
@@ -100,9 +105,32 @@ def test_wrong_arguments(tmp_path: Path, capfd, arguments, message):
     assert path.read_bytes() == content
 
 
+@pytest.mark.parametrize(
+    ("choices", "message"),
+    [
+        (["--vertex-group", "Feet"], "there is no vertex group 'Feet'"),
+        (["--method", "m3", "--base", "Smooth"], "there is no shape key 'Smooth'"),
+    ],
+)
+def test_what_an_object_lacks_is_named(tmp_path: Path, capfd, choices, message):
+    path, target = write_monkey(tmp_path / "monkey.blend"), tmp_path / "out.blend"
+    assert decompose(path, target, *choices) == 1
+    assert f"{path}: error: Suzanne: {message}" in capfd.readouterr().err
+    assert not target.exists()
+
+
 def test_help(capfd):
     assert run(["--help"]) == 0
     assert run(["decompose", "--help"]) == 0
     text = capfd.readouterr().out
-    for option in ("--method", "--bands", "--gain", "--curve", "--render", "exit codes"):
+    for option in (
+        "--method",
+        "--base",
+        "--vertex-group",
+        "--bands",
+        "--gain",
+        "--curve",
+        "--render",
+        "exit codes",
+    ):
         assert option in text

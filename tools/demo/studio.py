@@ -111,7 +111,6 @@ class Studio:
 
     def _add_ambient(self) -> None:
         self.scene.world = bpy.data.worlds.new("Studio")
-        self.scene.world.use_nodes = True
         ambient = self.scene.world.node_tree.nodes["Background"].inputs
         ambient["Color"].default_value = (0.9, 0.95, 1.0, 1.0)
         ambient["Strength"].default_value = AMBIENT
@@ -215,7 +214,6 @@ def _bare_copy(mesh: bpy.types.Mesh) -> bpy.types.Mesh:
 def _clay() -> bpy.types.Material:
     """Matte clay, a little darker in creases so that relief reads at a small size."""
     material = bpy.data.materials.new("Clay")
-    material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
     shader = nodes["Principled BSDF"]
     shader.inputs["Roughness"].default_value = 0.62
