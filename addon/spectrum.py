@@ -1,4 +1,6 @@
-"""The picture of a spectrum: strength over scale, the bands as alternating grounds."""
+"""The picture of a spectrum: strength over scale, in the colours and under the numbers of bands."""
+
+import colorsys
 
 import bpy
 import bpy.utils.previews
@@ -6,43 +8,91 @@ import numpy as np
 
 from .records import SpectralTVRecord
 
-# Icons are square, so a wide picture is a row of them.
-TILES = 3
-SIDE = 96
-GROUNDS = ((0.16, 0.16, 0.16, 1.0), (0.22, 0.22, 0.22, 1.0))
-BARS = (0.28, 0.45, 0.70, 1.0)
+# Drawn at half that size where the interface is not scaled.
+SIDE = 264
+SWATCH = 32
+GROUNDS = ((0.16, 0.16, 0.16, 1.0), (0.21, 0.21, 0.21, 1.0))
+INK = (0.75, 0.75, 0.75, 1.0)
+# Rows of 3 pixels from the top, as octal digits.
+DIGITS = ("75557", "26227", "71747", "71717", "55711", "74717", "74757", "71122", "75757", "75717")
+PIXEL = 4
+# Hues of the finest and the largest band.
+HUES = (0.57, 0.06)
+# So many pictures are kept before they are drawn anew.
+MOST_PICTURES = 64
 
 _previews: bpy.utils.previews.ImagePreviewCollection | None = None
 
 
-def icons(record: SpectralTVRecord) -> list[int]:
-    """Icons of the picture from left to right, for UILayout.template_icon; drawn once per cut."""
-    names = [f"{record.identifier} {len(record.bands)} {tile}" for tile in range(TILES)]
-    if names[0] not in _previews:
-        _previews.clear()
-        for name, tile in zip(names, np.split(picture(record), TILES, axis=1), strict=True):
-            preview = _previews.new(name)
-            preview.image_size = (SIDE, SIDE)
-            preview.image_pixels_float = tile.ravel()
-    return [_previews[name].icon_id for name in names]
+def icon(record: SpectralTVRecord) -> int:
+    """The picture as an icon for UILayout.template_icon; drawn once per cut."""
+    name = f"{record.identifier} {len(record.bands)}"
+    if name not in _previews:
+        if len(_previews) > MOST_PICTURES:
+            _previews.clear()
+        _add(name, picture(record))
+    return _previews[name].icon_id
+
+
+def swatch(band: int, count: int) -> int:
+    """An icon in the colour of a band, counted from 0."""
+    name = f"band {band} of {count}"
+    if name not in _previews:
+        image = np.zeros((SWATCH, SWATCH, 4), dtype=np.float32)
+        image[6:-6, 6:-6] = colour(band, count)
+        _add(name, image)
+    return _previews[name].icon_id
+
+
+def colour(band: int, count: int) -> tuple[float, ...]:
+    """RGBA of a band."""
+    position = band / max(count - 1, 1)
+    hue = HUES[0] + (HUES[1] - HUES[0]) * position
+    return (*colorsys.hsv_to_rgb(hue, 0.6, 0.8), 1.0)
 
 
 def picture(record: SpectralTVRecord) -> np.ndarray:
-    """The picture as (SIDE, TILES * SIDE, 4) RGBA from the bottom up.
+    """The picture as (SIDE, SIDE, 4) RGBA from the bottom up.
 
     Components are spaced evenly, as the bands hold equal numbers of them; the square root of
     their strength keeps fine detail visible beside large features.
     """
     strengths = np.sqrt([sample.strength for sample in record.spectrum])
     times = np.array([sample.time for sample in record.spectrum])
-    width = TILES * SIDE
-    columns = np.arange(width) * len(times) // width
     starts = np.array([band.start for band in record.bands])
-    bands = np.searchsorted(starts, times, side="right") - 1
-    image = np.array(GROUNDS, dtype=np.float32)[bands[columns] % 2][None].repeat(SIDE, axis=0)
-    heights = strengths[columns] / max(strengths.max(), np.finfo(float).tiny) * 0.94 * SIDE
-    image[np.arange(SIDE)[:, None] < heights] = BARS
+    edges = np.arange(len(times) + 1) * SIDE // len(times)
+    band_of = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
+    highest = max(strengths.max(), np.finfo(float).tiny)
+    heights = (strengths / highest * (SIDE - 9 * PIXEL)).astype(int)
+    image = np.empty((SIDE, SIDE, 4), dtype=np.float32)
+    for left, right, band, height in zip(edges[:-1], edges[1:], band_of, heights, strict=True):
+        image[:, left:right] = GROUNDS[band % 2]
+        image[: max(height, 2), left : max(right - 2, left + 1)] = colour(band, len(starts))
+    for band in range(len(starts)):
+        members = np.flatnonzero(band_of == band)
+        if len(members) > 0:
+            _write(image, str(band + 1), edges[members[0]], edges[members[-1] + 1])
     return image
+
+
+def _write(image: np.ndarray, text: str, left: int, right: int) -> None:
+    """Write a number at the top between two columns, if there is room for it."""
+    width = (4 * len(text) - 1) * PIXEL
+    if right - left < width + PIXEL:
+        return
+    x = (left + right - width) // 2
+    for digit in text:
+        rows = [[int(row) >> 2 & 1, int(row) >> 1 & 1, int(row) & 1] for row in DIGITS[int(digit)]]
+        ink = np.kron(np.flipud(rows), np.ones((PIXEL, PIXEL))) > 0
+        image[-7 * PIXEL : -2 * PIXEL, x : x + 3 * PIXEL][ink] = INK
+        x += 4 * PIXEL
+
+
+def _add(name: str, image: np.ndarray) -> None:
+    preview = _previews.new(name)
+    # Both, as template_icon shows the image and everything else the icon.
+    preview.image_size = preview.icon_size = image.shape[1::-1]
+    preview.image_pixels_float = preview.icon_pixels_float = image.ravel()
 
 
 def register() -> None:

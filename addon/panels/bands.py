@@ -1,12 +1,14 @@
 """The panel of the bands: the spectrum, a slider per band, filters."""
 
+import math
+
 import bpy
 
 from .. import filter_curve, spectrum
 from ..gains import PRESETS
 from ..operators import filter as operators
-from ..records import band_keys, record_of, topology_changed
-from ._sidebar import Sidebar
+from ..records import SpectralTVRecord, band_keys, record_of, topology_changed
+from ._sidebar import Sidebar, say
 
 
 class BandsPanel(Sidebar):
@@ -32,19 +34,16 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         obj = context.active_object
         record = record_of(obj)
         if topology_changed(obj):
-            column = layout.column(align=True)
-            column.label(text="The mesh has changed since.", icon="ERROR")
-            column.label(text="Decompose it again.", icon="BLANK1")
+            text = "Vertices or faces changed since. Decompose the mesh again"
+            say(layout, context, text, "ERROR")
             return
-        row = layout.row(align=True)
-        row.alignment = "CENTER"
-        for icon in spectrum.icons(record):
-            row.template_icon(icon, scale=3.6)
+        self._draw_spectrum(layout, record, context.scene.unit_settings)
         column = layout.column(align=True)
         for number, key in enumerate(band_keys(obj), start=1):
             row = column.row(align=True)
+            row.label(text="", icon_value=spectrum.swatch(number - 1, len(record.bands)))
             if key is None:
-                row.label(text=f"Band {number} was deleted", icon="INFO")
+                row.label(text=f"Band {number} was deleted")
                 continue
             row.prop(key, "value", text=key.name, slider=True)
             row.prop(key, "mute", text="", icon="HIDE_ON" if key.mute else "HIDE_OFF")
@@ -58,6 +57,25 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.prop(context.scene.spectral_tv, "bands")
         cut = row.operator(operators.SPECTRAL_TV_OT_cut.bl_idname)
         cut.bands = context.scene.spectral_tv.bands
+
+    @staticmethod
+    def _draw_spectrum(
+        layout: bpy.types.UILayout, record: SpectralTVRecord, units: bpy.types.UnitSettings
+    ) -> None:
+        row = layout.split(factor=0.66)
+        row.template_icon(spectrum.icon(record), scale=7.6)
+        column = row.column(align=True)
+        column.label(text="Finest")
+        column.label(text=_length(record.spectrum[0].time, units))
+        column.separator(factor=3.5)
+        column.label(text="Largest")
+        column.label(text=_length(record.bands[-1].end, units))
+
+
+def _length(time: float, units: bpy.types.UnitSettings) -> str:
+    """The size of the features that vanish at a time, in the units of the scene."""
+    length = math.sqrt(time) * units.scale_length
+    return bpy.utils.units.to_string(units.system, "LENGTH", length, precision=2)
 
 
 class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
@@ -73,7 +91,7 @@ class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
         row.prop(settings, "first")
         row.prop(settings, "last")
         layout.prop(settings, "amount")
-        grid = layout.grid_flow(columns=2, align=True, even_columns=True)
+        grid = layout.grid_flow(columns=2, row_major=True, align=True, even_columns=True)
         for name, label, _ in PRESETS:
             operator = grid.operator(operators.SPECTRAL_TV_OT_filter.bl_idname, text=label)
             operator.preset = name

@@ -5,7 +5,7 @@ import bpy
 from .. import jobs
 from ..objects import refusal
 from ..operators.decompose import SPECTRAL_TV_OT_cancel, SPECTRAL_TV_OT_decompose
-from ._sidebar import Sidebar
+from ._sidebar import Sidebar, say
 
 
 class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
@@ -31,9 +31,10 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
             return
         reason = refusal(obj)
         if reason is not None:
-            layout.label(text=reason, icon="INFO")
+            say(layout, context, reason, "INFO")
         elif obj.data.users > 1:
-            layout.label(text=f"All {obj.data.users} users of this mesh change", icon="INFO")
+            text = f"{obj.data.users} objects share this mesh; all of them get the bands"
+            say(layout, context, text, "INFO")
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")
@@ -93,7 +94,7 @@ class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
             field.prop(settings, "base_amount", text="")
         elif settings.base == "KEY" and obj is not None and obj.type == "MESH":
             if obj.data.shape_keys is None:
-                layout.label(text="The mesh has no shape keys", icon="INFO")
+                say(layout, context, "The mesh has no shape keys", "INFO")
             else:
                 layout.prop_search(settings, "base_key", obj.data.shape_keys, "key_blocks")
 

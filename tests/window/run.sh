@@ -13,8 +13,8 @@ export BLENDER_USER_RESOURCES
 trap 'rm -rf "$BLENDER_USER_RESOURCES"' EXIT
 
 $blender --command extension install-file -r user_default --enable dist/spectral_tv-*.zip
-LIBGL_ALWAYS_SOFTWARE=1 xvfb-run --auto-servernum --server-args "-screen 0 1280x800x24" \
-  timeout 600 $blender --window-geometry 0 0 1280 800 --python-exit-code 1 \
+LIBGL_ALWAYS_SOFTWARE=1 xvfb-run --auto-servernum --server-args "-screen 0 1280x1400x24" \
+  timeout 600 $blender --window-geometry 0 0 1280 1400 --python-exit-code 1 \
   --python tests/window/session.py
 # Blender exits with 0 also when it is closed before the end.
 [[ -f $PICTURES/passed ]]

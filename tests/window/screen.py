@@ -109,7 +109,8 @@ def find(text: str, column: float = 0.5) -> Steps[tuple[int, int]]:
     seen = set()
     for _attempt in range(3):  # the window may be slow to draw
         for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -8):
-            yield from move(x, y)
+            xdotool("mousemove", x, _window().height - y)
+            yield 0.05
             if text in _under_mouse(sidebar):
                 yield 0.3
                 if text in _under_mouse(sidebar):

@@ -9,6 +9,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from pictures import messages, new_monkey, panels
 from screen import (
     PICTURES,
     Steps,
@@ -36,17 +37,17 @@ def session() -> Steps[None]:
     yield from decompose()
     yield from cancel_with_the_button()
     yield from finish()
+    yield from adjust_last_operation()
     yield from drag_a_slider()
     yield from undo_and_redo()
+    yield from panels()
+    yield from messages()
     yield from quit_while_it_runs()
 
 
 def prepare() -> Steps[None]:
     """A mesh, and steps enough for a minute's work."""
-    bpy.data.objects.remove(bpy.data.objects["Cube"])
-    bpy.ops.mesh.primitive_monkey_add()
-    monkey().modifiers.new("Subdivision", "SUBSURF").levels = 4
-    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    new_monkey(subdivisions=4)
     bpy.context.scene.spectral_tv.steps = 200
     bpy.ops.ed.undo_push(message="Prepare")
     yield 1
@@ -111,20 +112,40 @@ def finish() -> Steps[None]:
     yield from picture("4_bands")
 
 
+def adjust_last_operation() -> Steps[None]:
+    """F9 cuts the bands anew; its fields are to the lower right of the mouse."""
+    x, y = centre(region("WINDOW"))
+    yield from move(x, y)
+    yield from key("F9")
+    yield from picture("5_adjust")
+    manager = bpy.context.window_manager
+    for below in range(30, 120, 8):
+        yield from move(x + 205, y - below)
+        yield from key("ctrl+c")
+        if manager.clipboard == str(BANDS):
+            break
+    for count in (BANDS + 2, BANDS):
+        manager.clipboard = str(count)
+        yield from key("ctrl+v")
+        yield from until(lambda count=count: len(bands()) == count, f"{count} bands")
+    yield from move(10, 10)  # which closes it
+    assert [operator.name for operator in manager.operators] == ["Decompose into Bands"]
+
+
 def drag_a_slider() -> Steps[None]:
     yield from drag(*(yield from find('Band 4"].value')), 40)
     yield from move(*centre(region("WINDOW")))
     values = [band.value for band in bands()]
     assert values[3] > 0.1
     assert values[:3] + values[4:] == [0] * (BANDS - 1)
-    yield from picture("5_slider")
+    yield from picture("6_slider")
 
 
 def undo_and_redo() -> Steps[None]:
     """One step back is the slider, the next one the decomposition."""
     yield from key("ctrl+z")
     yield from until(lambda: len(bands()) == BANDS and bands()[3].value == 0, "undo of the slider")
-    yield from picture("6_undone")
+    yield from picture("7_undone")
     yield from key("ctrl+z")
     yield from until(lambda: bands() == [], "undo of the decomposition")
     assert len(monkey().data.vertices) > 100_000, "undid more than the decomposition"
@@ -133,6 +154,7 @@ def undo_and_redo() -> Steps[None]:
 
 
 def quit_while_it_runs() -> Steps[None]:
+    new_monkey(subdivisions=4)
     bpy.context.scene.spectral_tv.steps = 200
     yield from decompose()
     (PICTURES / "passed").touch()
