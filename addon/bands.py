@@ -1,6 +1,7 @@
 """A decomposition as the bands of an object: shape keys, and the record that links them."""
 
 import uuid
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -13,9 +14,19 @@ from .settings import Settings
 from .shape_keys import add_displacements
 from .surface import Surface, basis_coordinates
 
+
+@dataclass(frozen=True)
+class Flow:
+    """A decomposition, and what it was made of."""
+
+    split: spectral_tv.Decomposition
+    surface: Surface
+    source: str
+
+
 # Flows of this session, so that bands are cut anew without flowing again; the last few only,
 # as each holds all states.
-_flows: dict[str, tuple[spectral_tv.Decomposition, Surface]] = {}
+_flows: dict[str, Flow] = {}
 MOST_FLOWS = 4
 
 
@@ -50,10 +61,17 @@ def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[st
     return surface, settings.arguments(surface.mesh, base_shape(obj, settings, surface))
 
 
+def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposition | None:
+    """The flow of the same surface with the same arguments, if it is in memory."""
+    source = _source(surface, arguments)
+    return next((flow.split for flow in _flows.values() if flow.source == source), None)
+
+
 def add_bands(
     obj: bpy.types.Object,
     settings: Settings,
     surface: Surface,
+    arguments: dict[str, Any],
     split: spectral_tv.Decomposition,
 ) -> list[str]:
     """Write a decomposition as shape keys, remember it, and return the keys' names.
@@ -64,6 +82,10 @@ def add_bands(
     displacements = surface.to_object(split.bands(edges))
     names = _write(obj, settings.method, settings.vertex_group, edges, displacements)
     _record(obj, settings, surface, split)
+    while len(_flows) >= MOST_FLOWS:
+        del _flows[next(iter(_flows))]
+    identifier = obj.data.shape_keys.spectral_tv.identifier
+    _flows[identifier] = Flow(split, surface, _source(surface, arguments))
     return names
 
 
@@ -77,9 +99,9 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
         raise Refusal("its flow is no longer in memory; decompose it again")
     if topology_digest(obj.data) != record.topology:
         raise Refusal("its vertices or faces changed since; decompose it again")
-    split, surface = _flows[record.identifier]
-    edges = split.band_edges(count)
-    displacements = surface.to_object(split.bands(edges))
+    flow = _flows[record.identifier]
+    edges = flow.split.band_edges(count)
+    displacements = flow.surface.to_object(flow.split.bands(edges))
     for key in band_keys(obj):
         if key is not None:
             obj.shape_key_remove(key)
@@ -116,9 +138,14 @@ def _record(obj, settings, surface, split) -> None:
     for time, strength in zip(split.times[1:-1], split.spectrum, strict=True):
         sample = record.spectrum.add()
         sample.time, sample.strength = time, strength
-    while len(_flows) >= MOST_FLOWS:
-        del _flows[next(iter(_flows))]
-    _flows[record.identifier] = split, surface
+
+
+def _source(surface: Surface, arguments: dict[str, Any]) -> str:
+    """Digest of all that a flow depends on."""
+    parts = [surface.mesh.vertices, surface.mesh.triangles]
+    for name, value in sorted(arguments.items()):
+        parts += [np.frombuffer(name.encode(), dtype=np.uint8), np.asarray(value)]
+    return digest(*parts)
 
 
 def _write(

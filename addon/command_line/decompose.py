@@ -83,7 +83,7 @@ def _decompose(obj: bpy.types.Object, asked: Settings, values: list[float], labe
         surface, arguments = prepare(obj, asked)
         with progress(label) as show:
             split = spectral_tv.decompose(surface.mesh, **arguments, progress=show)
-        add_bands(obj, asked, surface, split)
+        add_bands(obj, asked, surface, arguments, split)
     except (Refusal, spectral_tv.MeshError) as error:
         raise Refusal(f"{obj.name}: {error}") from error
     set_values(obj, values)

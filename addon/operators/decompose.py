@@ -1,12 +1,13 @@
 """The operator that splits the active mesh into bands."""
 
 import time
+from typing import Any
 
 import bpy
 import spectral_tv
 
 from .. import jobs
-from ..bands import add_bands, prepare
+from ..bands import add_bands, prepare, recall
 from ..objects import Refusal, refusal
 from ..properties import DecompositionProperties
 from ..surface import Surface
@@ -38,12 +39,14 @@ class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
         obj = context.active_object
         try:
             surface, arguments = prepare(obj, self.settings())
-            with cursor_progress(context) as progress:
-                split = spectral_tv.decompose(surface.mesh, **arguments, progress=progress)
+            split = recall(surface, arguments)
+            if split is None:
+                with cursor_progress(context) as progress:
+                    split = spectral_tv.decompose(surface.mesh, **arguments, progress=progress)
         except (spectral_tv.MeshError, Refusal) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
-        return self._write(obj, surface, split)
+        return self._write(obj, surface, arguments, split)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Run in a thread; the window stays alive and Esc cancels."""
@@ -52,11 +55,15 @@ class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
         self._started = time.perf_counter()
         obj = context.active_object
         try:
-            self._surface, arguments = prepare(obj, self.settings())
-            jobs.start(spectral_tv.start_decompose(self._surface.mesh, **arguments), obj)
+            surface, arguments = prepare(obj, self.settings())
+            split = recall(surface, arguments)
+            if split is not None:
+                return self._write(obj, surface, arguments, split)
+            jobs.start(spectral_tv.start_decompose(surface.mesh, **arguments), obj)
         except (spectral_tv.MeshError, Refusal) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
+        self._surface, self._arguments = surface, arguments
         manager = context.window_manager
         manager.spectral_tv.progress = 0
         manager.spectral_tv.message = f"Decomposing {obj.name}"
@@ -75,8 +82,10 @@ class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
             self.cancel(context)
             return {"CANCELLED"}
         if event.type == "TIMER":
-            context.window_manager.spectral_tv.progress = running.job.progress
-            redraw_sidebars(context)
+            state, progress = context.window_manager.spectral_tv, running.job.progress
+            if f"{progress:.0%}" != f"{state.progress:.0%}":  # drawing has its price
+                state.progress = progress
+                redraw_sidebars(context)
             if running.job.done:
                 return self._collect(context, running)
         return {"PASS_THROUGH"}
@@ -104,12 +113,16 @@ class SPECTRAL_TV_OT_decompose(DecompositionProperties, bpy.types.Operator):
         except (spectral_tv.MeshError, RuntimeError) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
-        return self._write(obj, self._surface, split)
+        return self._write(obj, self._surface, self._arguments, split)
 
     def _write(
-        self, obj: bpy.types.Object, surface: Surface, split: spectral_tv.Decomposition
+        self,
+        obj: bpy.types.Object,
+        surface: Surface,
+        arguments: dict[str, Any],
+        split: spectral_tv.Decomposition,
     ) -> set[str]:
-        add_bands(obj, self.settings(), surface, split)
+        add_bands(obj, self.settings(), surface, arguments, split)
         seconds = time.perf_counter() - self._started
         message = f"{obj.name}: {self.bands} bands of {self.method} added in {seconds:.1f} s"
         if obj.data.users > 1:
