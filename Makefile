@@ -51,6 +51,7 @@ pictures: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo --cell 180 --output .build/pictures
 	mkdir -p docs/pictures
 	cp .build/pictures/creature.png docs/pictures/filters.png
+	$(BIN)/python -m tools.demo.methods .build/pictures/creature.blend docs/pictures
 
 clean:
 	rm -rf $(VENV) target dist demo .build

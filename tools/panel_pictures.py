@@ -7,21 +7,23 @@ from pathlib import Path
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
-# Left, upper, right and lower edge of the sidebar in a window of 1280 × 800.
-DECOMPOSE = (775, 82, 1035, 280)
-BANDS = (775, 280, 1035, 715)
+# Left and right edge of the sidebar in the session's window; upper and lower edges of the panels.
+LEFT, RIGHT = 774, 1030
 PICTURES = {
-    "panel_decompose": ("1_tab.png", DECOMPOSE),
-    "panel_progress": ("2_progress.png", DECOMPOSE),
-    "panel_bands": ("4_bands.png", BANDS),
+    "panel_decompose": ("1_tab", 84, 278),
+    "panel_progress": ("2_progress", 84, 278),
+    "panel_scales": ("panel_base_flow", 84, 430),
+    "panel_bands": ("4_bands", 280, 668),
+    "panel_filters": ("4_bands", 668, 830),
+    "panel_curve": ("panel_curve", 892, 1206),
 }
 
 
 def main() -> None:
     """Write docs/pictures/panel_*.png."""
-    for name, (screenshot, box) in PICTURES.items():
-        with Image.open(ROOT / ".build" / "screenshots" / screenshot) as picture:
-            cut = picture.convert("RGB").crop(box)
+    for name, (screenshot, upper, lower) in PICTURES.items():
+        with Image.open(ROOT / ".build" / "screenshots" / f"{screenshot}.png") as picture:
+            cut = picture.convert("RGB").crop((LEFT, upper, RIGHT, lower))
         cut.quantize(64).save(ROOT / "docs" / "pictures" / f"{name}.png", optimize=True)
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from itertools import groupby
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
+
+EXTENSION = "bl_ext.user_default.spectral_tv"
 
 
 def values(obj) -> list[float]:
@@ -131,6 +135,31 @@ def test_cutting_again_uses_the_same_flow(banded):
     bpy.ops.spectral_tv.filter(preset="RESET")
     with pytest.raises(RuntimeError, match="number of bands"):
         bpy.ops.spectral_tv.cut(bands=12)
+
+
+def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
+    bands = import_module(f"{EXTENSION}.bands")
+    settings = import_module(f"{EXTENSION}.settings").Settings
+
+    def is_recalled(**choices) -> bool:
+        return bands.recall(*bands.prepare(banded, settings(**choices))) is not None
+
+    assert is_recalled(bands=4, steps=12)
+    assert is_recalled(bands=7, steps=12)
+    assert not is_recalled(bands=4, steps=13)
+    assert not is_recalled(bands=4, steps=12, method="M2")
+    banded.data.shape_keys.key_blocks["Basis"].data[5].co.x += 1e-3
+    assert not is_recalled(bands=4, steps=12)
+
+
+def test_the_spectrum_shows_the_bands_from_left_to_right(banded):
+    spectrum = import_module(f"{EXTENSION}.spectrum")
+    record = banded.data.shape_keys.spectral_tv
+    bottom = [tuple(pixel) for pixel in spectrum.picture(record)[0]]
+    colours = [tuple(np.float32(spectrum.colour(band, 4))) for band in range(4)]
+    seen = [pixel for pixel in bottom if pixel in colours]
+    assert [pixel for pixel, _ in groupby(seen)] == colours
+    assert spectrum.icon(record) == spectrum.icon(record)
 
 
 def test_bands_survive_renaming_and_reordering(banded):

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
+
 import bpy
 from screen import Steps, centre, click, find, move, picture, region, until
 
 # From a button to the header of the panel below it.
-NEXT_HEADER = 34
+NEXT_HEADER = 36
 TOOLTIP = 2  # seconds until it is there
 
 
@@ -80,6 +83,9 @@ def messages() -> Steps[None]:
     yield from tooltip("message_two_users")
     bpy.data.objects.remove(twin)
 
+    yield from linked(obj)
+
+    activate(obj)
     bpy.ops.spectral_tv.decompose(bands=4, steps=8)
     obj.shape_key_remove(obj.data.shape_keys.key_blocks["M1 Band 2"])
     yield from away()
@@ -90,6 +96,20 @@ def messages() -> Steps[None]:
     bpy.ops.object.mode_set(mode="OBJECT")
     yield from away()
     yield from picture("message_mesh_changed")
+
+
+def linked(obj: bpy.types.Object) -> Steps[None]:
+    """A mesh of another file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "library.blend")
+        bpy.data.libraries.write(path, {obj})
+        with bpy.data.libraries.load(path, link=True) as (_, target):
+            target.objects = [obj.name]
+        twin = target.objects[0]
+        bpy.context.collection.objects.link(twin)
+        activate(twin)
+        yield from tooltip("message_linked")
+        bpy.data.objects.remove(twin)
 
 
 def new_monkey(subdivisions: int = 2) -> bpy.types.Object:

@@ -108,7 +108,7 @@ def find(text: str, column: float = 0.5) -> Steps[tuple[int, int]]:
     x = sidebar.x + int(column * sidebar.width)
     seen = set()
     for _attempt in range(3):  # the window may be slow to draw
-        for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -8):
+        for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -12):
             xdotool("mousemove", x, _window().height - y)
             yield 0.05
             if text in _under_mouse(sidebar):

@@ -46,9 +46,9 @@ def session() -> Steps[None]:
 
 
 def prepare() -> Steps[None]:
-    """A mesh, and steps enough for a minute's work."""
+    """A mesh that takes a while."""
     new_monkey(subdivisions=4)
-    bpy.context.scene.spectral_tv.steps = 200
+    bpy.context.scene.spectral_tv.steps = 32
     bpy.ops.ed.undo_push(message="Prepare")
     yield 1
 
@@ -65,6 +65,7 @@ def open_tab() -> Steps[None]:
             break
     assert sidebar.active_panel_category == "Spectral TV"
     yield from picture("1_tab")
+    bpy.context.scene.spectral_tv.steps = 200  # enough for a minute's work
 
 
 def decompose() -> Steps[None]:

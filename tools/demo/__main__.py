@@ -17,12 +17,12 @@ RESOURCES = tempfile.TemporaryDirectory(prefix="spectral_tv_demo_")
 os.environ["BLENDER_USER_RESOURCES"] = RESOURCES.name
 
 import bpy  # noqa: E402  (reads the variable above)
-import numpy as np  # noqa: E402
 from tqdm import tqdm  # noqa: E402
 
 from .contact_sheet import Sheet, render  # noqa: E402
 from .creature import creature  # noqa: E402
 from .importing import import_mesh  # noqa: E402
+from .shapes import coordinates  # noqa: E402
 
 BANDS = 5
 # Method, heading, and the gain at which its bands are shown.
@@ -96,14 +96,6 @@ def sheet(obj: bpy.types.Object, method: str, title: str, gain: float) -> Sheet:
     removed = [(f"Without band {band}", basis - offset) for band, offset in enumerate(bands, 1)]
     low_pass = basis - sum(bands)
     return title, [[("Original", basis), *amplified], [("Low-pass", low_pass), *removed]]
-
-
-def coordinates(obj: bpy.types.Object, key: str) -> np.ndarray:
-    """Positions of a shape key, (V, 3)."""
-    data = obj.data.shape_keys.key_blocks[key].data
-    flat = np.empty(3 * len(data), dtype=np.float32)
-    data.foreach_get("co", flat)
-    return flat.reshape(-1, 3).astype(np.float64)
 
 
 if __name__ == "__main__":
