@@ -11,20 +11,21 @@ from .surface import basis_coordinates
 
 @dataclass(frozen=True)
 class Running:
-    """A decomposition under way, and what its object looked like when it was started."""
+    """A job under way, and what its object looked like when it was started."""
 
     job: spectral_tv.Job
     object_name: str
     state: str
+    message: str
 
 
 _running: Running | None = None
 
 
-def start(job: spectral_tv.Job, obj: bpy.types.Object) -> None:
+def start(job: spectral_tv.Job, obj: bpy.types.Object, message: str) -> None:
     """Take a job over; it is cancelled when Blender loads a file or disables the extension."""
     global _running  # noqa: PLW0603
-    _running = Running(job, obj.name, state_of(obj))
+    _running = Running(job, obj.name, state_of(obj), message)
 
 
 def running() -> Running | None:
@@ -41,5 +42,5 @@ def finish() -> None:
 
 
 def state_of(obj: bpy.types.Object) -> str:
-    """Digest of all that a decomposition depends on."""
+    """Digest of all that a result depends on."""
     return topology_digest(obj.data) + digest(basis_coordinates(obj.data))

@@ -126,7 +126,6 @@ class SpectralTVWindowManager(bpy.types.PropertyGroup):
     """What the running job shows."""
 
     progress: FloatProperty(name="Progress", min=0, max=1, subtype="FACTOR")
-    message: StringProperty(name="Message")
 
 
 CLASSES = (SpectralTVScene, SpectralTVFilter, SpectralTVWindowManager)

@@ -2,6 +2,8 @@
 
 import bpy
 
-from . import decompose, filter
+from . import _job, decompose, filter
 
-register, unregister = bpy.utils.register_classes_factory((*decompose.CLASSES, *filter.CLASSES))
+register, unregister = bpy.utils.register_classes_factory(
+    (*_job.CLASSES, *decompose.CLASSES, *filter.CLASSES)
+)

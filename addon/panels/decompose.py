@@ -4,8 +4,8 @@ import bpy
 
 from .. import jobs
 from ..objects import refusal
-from ..operators.decompose import SPECTRAL_TV_OT_cancel, SPECTRAL_TV_OT_decompose
-from ._sidebar import Sidebar, say
+from ..operators.decompose import SPECTRAL_TV_OT_decompose
+from ._sidebar import Sidebar, draw_progress, say
 
 
 class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
@@ -27,7 +27,7 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
         if obj is not None and obj.type == "MESH":
             column.prop_search(settings, "vertex_group", obj, "vertex_groups", text="Limit to")
         if jobs.running() is not None:
-            self._draw_progress(layout, context.window_manager.spectral_tv)
+            draw_progress(layout, context)
             return
         reason = refusal(obj)
         if reason is not None:
@@ -39,13 +39,6 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")
         settings.copy_to(operator)
-
-    @staticmethod
-    def _draw_progress(layout: bpy.types.UILayout, state: bpy.types.PropertyGroup) -> None:
-        row = layout.row(align=True)
-        row.scale_y = 1.4
-        row.progress(text=f"{state.message} ({state.progress:.0%})", factor=state.progress)
-        row.operator(SPECTRAL_TV_OT_cancel.bl_idname, text="", icon="CANCEL")
 
 
 class SPECTRAL_TV_PT_scales(Sidebar, bpy.types.Panel):

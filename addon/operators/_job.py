@@ -1,0 +1,168 @@
+"""What operators share whose work is a job: blocking in scripts, modal in a window."""
+
+import time
+from typing import Any
+
+import bpy
+import spectral_tv
+
+from .. import jobs
+from ..objects import Refusal, refusal
+from ._progress import cursor_progress, redraw_sidebars
+
+# Seconds between two looks at the job; Esc is an event of its own and does not wait for them.
+POLL = 0.05
+
+
+class JobOperator:
+    """The four parts of such an operator, and the running of them."""
+
+    # What the user sees while it runs, before the object's name.
+    working: str
+
+    def prepare(self, obj: bpy.types.Object) -> Any:
+        """Read what the work needs; raises Refusal or spectral_tv.MeshError."""
+        raise NotImplementedError
+
+    def recall(self, _prepared: Any) -> Any:
+        """The result, if it is known without work."""
+        return None
+
+    def work(self, prepared: Any, progress: Any) -> Any:
+        """Do the work and return its result; ``progress`` takes the fraction done."""
+        raise NotImplementedError
+
+    def start(self, prepared: Any) -> spectral_tv.Job:
+        """Start the same work in a thread."""
+        raise NotImplementedError
+
+    def write(self, obj: bpy.types.Object, prepared: Any, result: Any) -> str:
+        """Write the result and say what was done."""
+        raise NotImplementedError
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        reason = cls.refusal(context)
+        if reason is None and jobs.running() is not None:
+            reason = f"{jobs.running().message}; Esc cancels it"
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        """Why the operator cannot run now, in a sentence for the user."""
+        return refusal(context.active_object)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Run to completion: in scripts, in the background, and on Adjust Last Operation."""
+        self._started = time.perf_counter()
+        obj = context.active_object
+        try:
+            prepared = self.prepare(obj)
+            result = self.recall(prepared)
+            if result is None:
+                with cursor_progress(context) as progress:
+                    result = self.work(prepared, progress)
+        except (spectral_tv.MeshError, Refusal) as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        return self._finish(obj, prepared, result)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Run in a thread; the window stays alive and Esc cancels."""
+        if bpy.app.background:
+            return self.execute(context)
+        self._started = time.perf_counter()
+        obj = context.active_object
+        try:
+            prepared = self.prepare(obj)
+            result = self.recall(prepared)
+            if result is not None:
+                return self._finish(obj, prepared, result)
+            jobs.start(self.start(prepared), obj, f"{self.working} {obj.name}")
+        except (spectral_tv.MeshError, Refusal) as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        self._prepared = prepared
+        manager = context.window_manager
+        manager.spectral_tv.progress = 0
+        self._timer = manager.event_timer_add(POLL, window=context.window)
+        manager.modal_handler_add(self)
+        redraw_sidebars(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        running = jobs.running()
+        if event.type == "ESC" and event.value == "PRESS":
+            self.cancel(context)
+            self.report({"INFO"}, "Cancelled; nothing was changed")
+            return {"CANCELLED"}
+        if running is None:  # by the button, or by loading a file
+            self.cancel(context)
+            return {"CANCELLED"}
+        if event.type == "TIMER":
+            state, progress = context.window_manager.spectral_tv, running.job.progress
+            if f"{progress:.0%}" != f"{state.progress:.0%}":  # drawing has its price
+                state.progress = progress
+                redraw_sidebars(context)
+            if running.job.done:
+                return self._collect(context, running)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Leave nothing behind; Blender calls it too when it ends the operator itself."""
+        jobs.finish()
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        redraw_sidebars(context)
+
+    _timer = None
+
+    def _collect(self, context: bpy.types.Context, running: jobs.Running) -> set[str]:
+        """Write the result of a finished job, if its object is still what it was."""
+        self.cancel(context)
+        obj = bpy.data.objects.get(running.object_name)
+        if refusal(obj) is not None or jobs.state_of(obj) != running.state:
+            message = "changed in the meantime; nothing was written"
+            self.report({"WARNING"}, f"{running.object_name}: {message}")
+            return {"CANCELLED"}
+        try:
+            result = running.job.result()
+        except (spectral_tv.MeshError, RuntimeError) as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        return self._finish(obj, self._prepared, result)
+
+    def _finish(self, obj: bpy.types.Object, prepared: Any, result: Any) -> set[str]:
+        try:
+            done = self.write(obj, prepared, result)
+        except Refusal as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        message = f"{obj.name}: {done} in {time.perf_counter() - self._started:.1f} s"
+        if obj.data.users > 1:
+            message += f"; {obj.data.users} objects share this mesh and its shape keys"
+        self.report({"INFO"}, message)
+        return {"FINISHED"}
+
+
+class SPECTRAL_TV_OT_cancel(bpy.types.Operator):
+    """Cancel what is running; the mesh stays as it is"""
+
+    bl_idname = "spectral_tv.cancel"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        return jobs.running() is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        jobs.finish()
+        redraw_sidebars(context)
+        return {"FINISHED"}
+
+
+CLASSES = (SPECTRAL_TV_OT_cancel,)
