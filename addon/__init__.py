@@ -3,9 +3,27 @@
 Panels call operators, operators run jobs, jobs call the package spectral_tv.
 """
 
-from . import command_line, handlers, operators, panels, properties, records, spectrum
+from . import (
+    command_line,
+    constraints,
+    handlers,
+    operators,
+    panels,
+    properties,
+    records,
+    spectrum,
+)
 
-_PARTS = (properties, records, spectrum, operators, panels, handlers, command_line)
+_PARTS = (
+    properties,
+    records,
+    constraints,
+    spectrum,
+    operators,
+    panels,
+    handlers,
+    command_line,
+)
 
 
 def register() -> None:

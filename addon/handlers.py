@@ -5,11 +5,13 @@ from bpy.app.handlers import persistent
 
 from . import jobs
 from .bands import forget_flows
+from .operators import live
 
 
 @persistent
 def _before_load(*_arguments: object) -> None:
     jobs.finish()
+    live.end()
     forget_flows()
 
 

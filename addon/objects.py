@@ -7,13 +7,16 @@ class Refusal(Exception):
     """The object or a setting cannot be used; the message tells the user why."""
 
 
-def refusal(obj: bpy.types.Object | None) -> str | None:
-    """Why ``obj`` cannot be decomposed, in a sentence for the user; None if it can."""
+def refusal(obj: bpy.types.Object | None, edit_mode: bool = False) -> str | None:
+    """Why ``obj`` cannot be worked on, in a sentence for the user; None if it can.
+
+    Edit Mode is a reason unless ``edit_mode`` allows it.
+    """
     if obj is None:
         return "There is no active object"
     if obj.type != "MESH":
         return "The active object is not a mesh"
-    if obj.mode == "EDIT":
+    if obj.mode == "EDIT" and not edit_mode:
         return "Leave Edit Mode first"
     if obj.library is not None or obj.data.library is not None:
         return "The mesh is linked from another file; make it local first"
@@ -21,5 +24,5 @@ def refusal(obj: bpy.types.Object | None) -> str | None:
         return "The mesh has no faces"
     keys = obj.data.shape_keys
     if keys is not None and not keys.use_relative:
-        return "The mesh has absolute shape keys; bands need relative ones"
+        return "The mesh has absolute shape keys; relative ones are needed"
     return None

@@ -33,10 +33,22 @@ def add_displacements(
     return keys
 
 
+def set_displacement(
+    obj: bpy.types.Object, key: bpy.types.ShapeKey, displacement: np.ndarray
+) -> None:
+    """Give a shape key of ``obj`` another displacement from Basis, (V, 3) in object space."""
+    _set_coordinates(key, basis_coordinates(obj.data) + displacement)
+    obj.data.update_tag()
+
+
+def _set_coordinates(key: bpy.types.ShapeKey, coordinates: np.ndarray) -> None:
+    key.data.foreach_set("co", coordinates.astype(np.float32).ravel())
+
+
 def _add_key(obj: bpy.types.Object, name: str, coordinates: np.ndarray) -> bpy.types.ShapeKey:
     key = obj.shape_key_add(name=name, from_mix=False)
     key.relative_key = obj.data.shape_keys.reference_key
     key.slider_min, key.slider_max = SLIDER_RANGE
     key.value = 0.0
-    key.data.foreach_set("co", coordinates.astype(np.float32).ravel())
+    _set_coordinates(key, coordinates)
     return key

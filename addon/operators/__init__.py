@@ -2,8 +2,10 @@
 
 import bpy
 
-from . import _job, decompose, filter
+from . import _job, bake_deformation, constraints, decompose, deform, filter, live
+
+_FILES = (_job, decompose, filter, constraints, deform, live, bake_deformation)
 
 register, unregister = bpy.utils.register_classes_factory(
-    (*_job.CLASSES, *decompose.CLASSES, *filter.CLASSES)
+    [cls for file in _FILES for cls in file.CLASSES]
 )

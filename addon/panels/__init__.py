@@ -2,6 +2,10 @@
 
 import bpy
 
-from . import bands, decompose
+from . import bands, decompose, deform
 
-register, unregister = bpy.utils.register_classes_factory((*decompose.CLASSES, *bands.CLASSES))
+_FILES = (decompose, bands, deform)
+
+register, unregister = bpy.utils.register_classes_factory(
+    [cls for file in _FILES for cls in file.CLASSES]
+)

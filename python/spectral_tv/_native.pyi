@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, final
 
 import numpy as np
@@ -99,7 +99,16 @@ class Deformer:
     def solve(
         self, targets: ArrayLike, tolerance: float = 1e-3, progress: _Progress | None = None
     ) -> Deformation: ...
+    def solve_sequence(
+        self,
+        targets: Sequence[ArrayLike],
+        tolerance: float = 1e-3,
+        progress: _Progress | None = None,
+    ) -> list[Deformation]: ...
     def start_solve(self, targets: ArrayLike, tolerance: float = 1e-3) -> Job: ...
+    def start_solve_sequence(
+        self, targets: Sequence[ArrayLike], tolerance: float = 1e-3
+    ) -> Job: ...
 
 @final
 class Job:

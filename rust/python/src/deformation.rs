@@ -201,6 +201,51 @@ impl Deformer {
         task.wait(py, progress)
     }
 
+    /// Deform to the optima for a sequence of targets, each starting from the one before: the
+    /// frames of an animation.
+    ///
+    /// Parameters
+    /// ----------
+    /// targets : sequence of N (K, 3) arrays
+    /// tolerance : float
+    ///     Relative duality gap to reach, in (0, 1).
+    /// progress : callable, optional
+    ///     Called with the fraction done; an exception it raises ends the work.
+    ///
+    /// Returns
+    /// -------
+    /// list of N Deformation
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     As `solve`.
+    #[pyo3(signature = (targets, tolerance = 1e-3, progress = None))]
+    fn solve_sequence(
+        &self,
+        py: Python<'_>,
+        targets: Vec<Bound<'_, PyAny>>,
+        tolerance: f64,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> Result<Vec<Deformation>, Failure> {
+        let task = self.sequence_task(&targets, tolerance, |deformations| deformations)?;
+        task.wait(py, progress)
+    }
+
+    /// Start `solve_sequence` in a thread of its own and return the `Job` at once. Other calls
+    /// wait until it has ended or was cancelled.
+    #[pyo3(signature = (targets, tolerance = 1e-3))]
+    fn start_solve_sequence(
+        &self,
+        targets: Vec<Bound<'_, PyAny>>,
+        tolerance: f64,
+    ) -> Result<Job, Failure> {
+        let task = self.sequence_task(&targets, tolerance, |deformations| -> Convert {
+            Box::new(move |py| Ok(deformations.into_pyobject(py)?.unbind()))
+        })?;
+        Ok(Job::new(task))
+    }
+
     /// Start `solve` in a thread of its own and return the `Job` at once. Other calls wait until
     /// it has ended or was cancelled.
     #[pyo3(signature = (targets, tolerance = 1e-3))]
@@ -210,6 +255,25 @@ impl Deformer {
 }
 
 impl Deformer {
+    fn sequence_task<T: Send + 'static>(
+        &self,
+        targets: &[Bound<'_, PyAny>],
+        tolerance: f64,
+        wrap: impl FnOnce(Vec<Deformation>) -> T + Send + 'static,
+    ) -> Result<Task<T>, Failure> {
+        let positions = targets.iter().map(|t| arrays::positions("targets", t));
+        let sequence = positions.collect::<PyResult<Vec<_>>>()?;
+        let (inner, shape) = (Arc::clone(&self.inner), Arc::clone(&self.shape));
+        Ok(Task::start(move |monitor| {
+            let stage = monitor.whole();
+            let solutions = lock(&inner).solve_sequence(&sequence, tolerance, stage)?;
+            let deformed = solutions
+                .into_iter()
+                .map(|solution| shape.deformed(solution));
+            Ok(wrap(deformed.collect()))
+        })?)
+    }
+
     fn task<T: Send + 'static>(
         &self,
         targets: &Bound<'_, PyAny>,

@@ -126,6 +126,24 @@ impl Deformer {
         Ok(self.deformation(gap, iterations))
     }
 
+    /// The optima for a sequence of targets, each starting from the one before.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_sequence(
+        &mut self,
+        sequence: &[Vec<[f64; 3]>],
+        tolerance: f64,
+        stage: Stage,
+    ) -> Result<Vec<Deformation>> {
+        let count = sequence.len() as f64;
+        let solve = |(index, positions): (usize, &Vec<[f64; 3]>)| {
+            let share = stage.stage(index as f64 / count, (index + 1) as f64 / count);
+            self.solve(positions, tolerance, share)
+        };
+        sequence.iter().enumerate().map(solve).collect()
+    }
+
     /// One reweighted solution for new target `positions`, starting from the last one: what there
     /// is time for while a handle is dragged. After a small movement it is within some tenths of
     /// a percent of the optimum; from rest it takes some calls to get there.

@@ -1,0 +1,82 @@
+"""The deformation of an object: from its constraints to a shape key."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from .constraints import deformation_of
+from .handles import Handles
+from .records import coordinates, digest
+from .shape_keys import add_displacements, set_displacement
+from .surface import Surface
+
+NAME = "Deformation"
+
+
+@dataclass(frozen=True)
+class Deformable:
+    """An object's surface and what constrains it."""
+
+    surface: Surface
+    handles: Handles
+
+    @classmethod
+    def read(cls, obj: bpy.types.Object) -> "Deformable":
+        """Read ``obj``; raises Refusal or spectral_tv.MeshError if it cannot be deformed."""
+        return cls(Surface.read(obj), Handles.read(obj))
+
+    @property
+    def indices(self) -> np.ndarray:
+        """The constrained vertices of the surface's mesh, (K,)."""
+        return self.surface.place[self.handles.indices]
+
+    def targets(self, obj: bpy.types.Object) -> np.ndarray:
+        """Where they go now, in the space of the surface, (K, 3)."""
+        return self.handles.targets(obj) @ self.surface.matrix.T
+
+    def softness(self, percent: float) -> float:
+        """A percentage of the object's size as a length."""
+        return percent / 100 * float(np.sqrt(self.surface.mesh.area))
+
+    def displacement(self, result: spectral_tv.Deformation) -> np.ndarray:
+        """What a result moves every vertex of the object by, in object space, (V, 3)."""
+        moved = result.vertices - self.surface.mesh.vertices
+        return self.surface.to_object(moved[np.newaxis])[0]
+
+
+def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
+    """The shape key that holds the last deformation, renamed or not; None if it is gone."""
+    keys, deformation = obj.data.shape_keys, deformation_of(obj)
+    if keys is None or not deformation.key:
+        return None
+    found = keys.key_blocks.get(deformation.key)
+    if found is None and deformation.digest:
+        for key in keys.key_blocks:
+            if digest(coordinates(key.data)) == deformation.digest:
+                found = key
+    return found
+
+
+def write(obj: bpy.types.Object, displacement: np.ndarray) -> bpy.types.ShapeKey:
+    """Write a displacement (V, 3) as the shape key of the deformation, at full value if new."""
+    key = result_key(obj)
+    if key is None:
+        (key,) = add_displacements(obj, [NAME], displacement[np.newaxis])
+        key.value = 1.0
+    else:
+        set_displacement(obj, key, displacement)
+    deformation = deformation_of(obj)
+    deformation.key, deformation.digest = key.name, digest(coordinates(key.data))
+    return key
+
+
+def message(result: spectral_tv.Deformation, algorithm: str) -> str:
+    """What a result says about itself, for the user."""
+    text = "deformed"
+    if algorithm == "CONVEX":
+        text += f" to within {max(result.gap, 1e-4):.2%} of the optimum"
+    if len(result.unconstrained):
+        text += f"; {len(result.unconstrained)} vertices of parts without a constraint came along"
+    return text

@@ -1,0 +1,119 @@
+"""Operators that edit the list of constraints."""
+
+import bpy
+from bpy.props import EnumProperty
+from mathutils import Vector
+
+from .. import constraints
+from ..objects import Refusal, refusal
+
+
+class ConstraintOperator:
+    """What all of them share."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.active_object
+        reason = refusal(obj, edit_mode=True)
+        if reason is None and cls.needs_constraint and constraints.chosen(obj) is None:
+            reason = "No constraint is chosen"
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    needs_constraint = True
+
+
+class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
+    """Constrain a vertex group: the selected vertices in Edit Mode, else the active group"""
+
+    bl_idname = "spectral_tv.constraint_add"
+    bl_label = "Add Constraint"
+    needs_constraint = False
+
+    kind: EnumProperty(name="Kind", items=constraints.KINDS)
+
+    @classmethod
+    def description(cls, _context, properties) -> str:
+        told = next(item[2] for item in constraints.KINDS if item[0] == properties.kind)
+        return f"{told}. Takes the selected vertices in Edit Mode, else the active vertex group"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.active_object
+        label = next(item[1] for item in constraints.KINDS if item[0] == self.kind)
+        try:
+            group = _selected_group(obj, label)
+        except Refusal as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        constraint = constraints.add(obj, group, self.kind)
+        if self.kind == "OBJECT":
+            constraint.target = _new_empty(context, obj, group)
+        return {"FINISHED"}
+
+
+class SPECTRAL_TV_OT_constraint_remove(ConstraintOperator, bpy.types.Operator):
+    """Remove the chosen constraint; its vertex group and its object stay"""
+
+    bl_idname = "spectral_tv.constraint_remove"
+    bl_label = "Remove Constraint"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        deformation = constraints.deformation_of(context.active_object)
+        deformation.constraints.remove(deformation.active)
+        deformation.active = max(deformation.active - 1, 0)
+        return {"FINISHED"}
+
+
+class SPECTRAL_TV_OT_constraint_rest(ConstraintOperator, bpy.types.Operator):
+    """Take the present place of the handle for its rest: it moves nothing until it is moved"""
+
+    bl_idname = "spectral_tv.constraint_rest"
+    bl_label = "Set Rest"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        constraints.chosen(context.active_object).set_rest()
+        return {"FINISHED"}
+
+
+def _selected_group(obj: bpy.types.Object, label: str) -> str:
+    """The group to constrain: a new one of the selection in Edit Mode, else the active one."""
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+        selected = [vertex.index for vertex in obj.data.vertices if vertex.select]
+        if not selected:
+            raise Refusal("select the vertices to constrain")
+        bpy.ops.object.vertex_group_assign_new()
+        obj.vertex_groups.active.name = label
+    elif obj.vertex_groups.active is None:
+        raise Refusal("it has no vertex group; select the vertices in Edit Mode, or make one")
+    return obj.vertex_groups.active.name
+
+
+def _new_empty(context: bpy.types.Context, obj: bpy.types.Object, group: str) -> bpy.types.Object:
+    """An empty in the middle of a vertex group, to move it by."""
+    obj.update_from_editmode()
+    index = obj.vertex_groups[group].index
+    members = [
+        vertex.co
+        for vertex in obj.data.vertices
+        if any(membership.group == index for membership in vertex.groups)
+    ]
+    empty = bpy.data.objects.new(f"{obj.name} {group}", None)
+    empty.empty_display_type = "ARROWS"
+    empty.empty_display_size = max(max(obj.dimensions) / 6, 1e-3)
+    if members:
+        empty.location = obj.matrix_world @ (sum(members, Vector()) / len(members))
+    for collection in obj.users_collection or [context.scene.collection]:
+        collection.objects.link(empty)
+    context.view_layer.update()
+    return empty
+
+
+CLASSES = (
+    SPECTRAL_TV_OT_constraint_add,
+    SPECTRAL_TV_OT_constraint_remove,
+    SPECTRAL_TV_OT_constraint_rest,
+)

@@ -1,0 +1,80 @@
+"""The operator that deforms the active mesh by its constraints."""
+
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+import spectral_tv
+
+from ..constraints import DeformationProperties, deformation_of
+from ..deformation import Deformable, message, write
+from ..objects import refusal
+from ._job import JobOperator
+
+# What was read of the object, and the arguments of spectral_tv.deform.
+Prepared = tuple[Deformable, dict[str, Any]]
+
+
+class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operator):
+    """Move the constrained vertices where they belong, and have the others follow in rigid
+    pieces. Writes one shape key; deforming again overwrites it"""
+
+    bl_idname = "spectral_tv.deform"
+    bl_label = "Deform"
+    bl_options = {"REGISTER", "UNDO"}
+    working = "Deforming"
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return deform_refusal(context.active_object)
+
+    def prepare(self, obj: bpy.types.Object) -> Prepared:
+        for name in DeformationProperties.__annotations__:
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(deformation_of(obj), name))
+        deformable = Deformable.read(obj)
+        is_convex = self.algorithm == "CONVEX"
+        return deformable, {
+            "indices": deformable.indices,
+            "targets": deformable.targets(obj),
+            "weights": deformable.handles.weights,
+            "softness": deformable.softness(self.softness) if is_convex else 0.0,
+            "algorithm": self.algorithm.lower(),
+        }
+
+    def work(
+        self, prepared: Prepared, progress: Callable[[float], None]
+    ) -> spectral_tv.Deformation:
+        deformable, arguments = prepared
+        return spectral_tv.deform(deformable.surface.mesh, **arguments, progress=progress)
+
+    def start(self, prepared: Prepared) -> spectral_tv.Job:
+        deformable, arguments = prepared
+        return spectral_tv.start_deform(deformable.surface.mesh, **arguments)
+
+    def write(
+        self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Deformation
+    ) -> str:
+        deformable, _ = prepared
+        write(obj, deformable.displacement(result))
+        return message(result, self.algorithm)
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out Adjust Last Operation."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "algorithm")
+        row = layout.row()
+        row.active = self.algorithm == "CONVEX"
+        row.prop(self, "softness")
+
+
+def deform_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why ``obj`` cannot be deformed now, in a sentence for the user; None if it can."""
+    reason = refusal(obj)
+    if reason is None and not deformation_of(obj).constraints:
+        reason = "The object has no constraints; add a pin and a handle"
+    return reason
+
+
+CLASSES = (SPECTRAL_TV_OT_deform,)

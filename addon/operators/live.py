@@ -1,0 +1,96 @@
+"""The operator that deforms while handles are dragged."""
+
+import bpy
+import spectral_tv
+
+from .. import jobs
+from ..live import LiveDeformation
+from ..objects import Refusal
+from ._progress import redraw_sidebars
+from .deform import deform_refusal
+
+# Seconds between two looks at the handles.
+POLL = 1 / 60
+
+
+class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
+    """Deform while handles are moved: drag an empty, pose a bone or play the animation. Press
+    again, or Esc, to end"""
+
+    bl_idname = "spectral_tv.deform_live"
+    bl_label = "Live"
+    bl_options = {"REGISTER", "UNDO"}
+
+    # The one that runs; pressing the button again ends it.
+    _running: "SPECTRAL_TV_OT_deform_live | None" = None
+    _timer = None
+
+    @classmethod
+    def is_running(cls) -> bool:
+        """Whether an object is being deformed live."""
+        return cls._running is not None
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if cls.is_running():
+            return True
+        reason = deform_refusal(context.active_object)
+        if reason is None and jobs.running() is not None:
+            reason = f"{jobs.running().message}; Esc cancels it"
+        if reason is None and bpy.app.background:
+            reason = "There is nothing to drag without a window"
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        cls = type(self)
+        if cls._running is not None:
+            cls._running.should_end = True
+            return {"CANCELLED"}
+        self._object_name = context.active_object.name
+        try:
+            self._live = LiveDeformation(context.active_object)
+        except (spectral_tv.MeshError, Refusal) as error:
+            self.report({"ERROR"}, f"{self._object_name}: {error}")
+            return {"CANCELLED"}
+        self.should_end = False
+        cls._running = self
+        self._timer = context.window_manager.event_timer_add(POLL, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        redraw_sidebars(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if type(self)._running is not self:  # a file was loaded
+            self.cancel(context)
+            return {"CANCELLED"}
+        if self.should_end or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
+            return {"FINISHED"}
+        if event.type == "TIMER":
+            try:
+                self._live.update()
+            except (spectral_tv.MeshError, RuntimeError, Refusal) as error:
+                self.cancel(context)
+                self.report({"WARNING"}, f"{self._object_name}: no longer live: {error}")
+                return {"FINISHED"}
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Leave the shape as it is; Blender calls it too when it ends the operator itself."""
+        self._live.stop()
+        if type(self)._running is self:
+            type(self)._running = None
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        redraw_sidebars(context)
+
+
+def end() -> None:
+    """End what runs: a file is loaded, or the extension is disabled."""
+    SPECTRAL_TV_OT_deform_live._running = None
+
+
+CLASSES = (SPECTRAL_TV_OT_deform_live,)

@@ -1,0 +1,411 @@
+"""bpy.ops.spectral_tv.deform on real objects, with constraints of every kind."""
+
+from __future__ import annotations
+
+import math
+from importlib import import_module
+
+import bpy
+import numpy as np
+import pytest
+import spectral_tv
+from conftest import MODULE
+from mathutils import Euler, Matrix, Vector
+from shapes import dumbbell
+
+TOP, BOTTOM = 0.9, -0.9
+
+
+def coordinates(data) -> np.ndarray:
+    flat = np.empty(3 * len(data), dtype=np.float32)
+    data.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(float)
+
+
+def key_positions(obj, name="Deformation") -> np.ndarray:
+    return coordinates(obj.data.shape_keys.key_blocks[name].data)
+
+
+def evaluated(obj) -> np.ndarray:
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    return coordinates(obj.evaluated_get(graph).data.vertices)
+
+
+def group(obj, name: str, indices, weight: float = 1.0) -> None:
+    obj.vertex_groups.new(name=name).add([int(index) for index in indices], weight, "REPLACE")
+
+
+def empty(location=(0, 0, 0)) -> bpy.types.Object:
+    obj = bpy.data.objects.new("Handle", None)
+    obj.location = location
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def constrain(obj, vertex_group: str, kind: str, **choices) -> bpy.types.PropertyGroup:
+    constraint = obj.spectral_tv.constraints.add()
+    constraint.vertex_group, constraint.kind = vertex_group, kind
+    for name, value in choices.items():
+        setattr(constraint, name, value)
+    return constraint
+
+
+@pytest.fixture
+def body():
+    """A dumbbell whose lower ball is pinned and whose upper ball's top follows an empty."""
+    vertices, faces = dumbbell(n_around=24, n_along=60)
+    mesh = bpy.data.meshes.new("Dumbbell")
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    obj = bpy.data.objects.new("Dumbbell", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    group(obj, "Feet", np.flatnonzero(vertices[:, 2] < BOTTOM))
+    group(obj, "Head", np.flatnonzero(vertices[:, 2] > 1.8))
+    return obj
+
+
+@pytest.fixture
+def held(body):
+    constrain(body, "Feet", "PIN")
+    constrain(body, "Head", "OBJECT", target=empty((0, 0, 2)))
+    return body
+
+
+def handle(obj) -> bpy.types.Object:
+    return obj.spectral_tv.constraints[1].target
+
+
+def members(obj, name: str) -> np.ndarray:
+    index = obj.vertex_groups[name].index
+    return np.array([v.index for v in obj.data.vertices if any(g.group == index for g in v.groups)])
+
+
+def test_the_handle_takes_its_ball_along_and_the_neck_gives(held):
+    before = coordinates(held.data.vertices)
+    handle(held).location += Vector((0.6, 0, 0.3))
+    bpy.context.view_layer.update()
+    assert bpy.ops.spectral_tv.deform(softness=0) == {"FINISHED"}
+    keys = held.data.shape_keys.key_blocks
+    assert [key.name for key in keys] == ["Basis", "Deformation"]
+    assert keys["Deformation"].value == 1 and keys["Deformation"].relative_key == keys["Basis"]
+    np.testing.assert_array_equal(key_positions(held, "Basis"), before)
+    np.testing.assert_allclose(evaluated(held), key_positions(held), atol=1e-6)
+
+    moved = key_positions(held) - before
+    head, feet = members(held, "Head"), members(held, "Feet")
+    np.testing.assert_allclose(moved[head], np.tile([0.6, 0, 0.3], (len(head), 1)), atol=1e-6)
+    np.testing.assert_allclose(moved[feet], 0, atol=1e-6)
+    # Both balls are rigid but for the surroundings of the neck.
+    upper, lower = before[:, 2] > 0.8, before[:, 2] < -0.8
+    np.testing.assert_allclose(
+        moved[upper], np.tile([0.6, 0, 0.3], (np.count_nonzero(upper), 1)), atol=0.01
+    )
+    np.testing.assert_allclose(moved[lower], 0, atol=0.01)
+
+
+def test_softness_widens_the_stretched_zone(held):
+    handle(held).location.x += 0.5
+    bpy.context.view_layer.update()
+    before = coordinates(held.data.vertices)
+    stretched = []
+    for softness in (10, 40, 80):
+        bpy.ops.spectral_tv.deform(softness=softness)
+        moved = (key_positions(held) - before)[:, 0]
+        between = (moved > 0.02) & (moved < 0.48)
+        stretched.append(np.ptp(before[between, 2]))
+    assert stretched[0] < stretched[1] < stretched[2]
+
+
+def test_the_objects_own_settings_hold_where_none_are_given(held):
+    handle(held).location.x += 0.5
+    bpy.context.view_layer.update()
+    held.spectral_tv.algorithm = "HARMONIC"
+    bpy.ops.spectral_tv.deform()
+    harmonic = key_positions(held)
+    held.spectral_tv.algorithm = "CONVEX"
+    bpy.ops.spectral_tv.deform(algorithm="HARMONIC")
+    np.testing.assert_array_equal(key_positions(held), harmonic)
+
+
+@pytest.mark.parametrize("algorithm", ["CONVEX", "PAPER", "HARMONIC", "BIHARMONIC", "ARAP"])
+def test_a_turned_and_scaled_handle_moves_its_group_as_one(held, algorithm):
+    pivot = handle(held)
+    start = np.array(pivot.matrix_world)
+    pivot.rotation_euler = Euler((0.3, 0.5, -0.4))
+    pivot.scale = (1.2, 1.2, 1.2)
+    pivot.location.y += 0.4
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform(algorithm=algorithm)
+    motion = np.array(pivot.matrix_world) @ np.linalg.inv(start)
+    head = members(held, "Head")
+    expected = key_positions(held, "Basis")[head] @ motion[:3, :3].T + motion[:3, 3]
+    np.testing.assert_allclose(key_positions(held)[head], expected, atol=1e-5)
+
+
+def test_the_objects_own_transform_is_seen_through(held):
+    """Handles move in the world, wherever the object is, turned and stretched."""
+    held.matrix_world = (
+        Matrix.Translation((3, -2, 5))
+        @ Euler((0.4, 1.0, -0.7)).to_matrix().to_4x4()
+        @ Matrix.Diagonal((2, 0.5, 1.5, 1))
+    )
+    pivot = handle(held)
+    bpy.context.view_layer.update()
+    held.spectral_tv.constraints[1].target = pivot  # rest is where both are now
+    pivot.location += Vector((0.5, 0.2, -0.3))
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform()
+    head, feet = members(held, "Head"), members(held, "Feet")
+    to_world = np.array(held.matrix_world)[:3, :3]
+    moved = (key_positions(held) - key_positions(held, "Basis")) @ to_world.T
+    np.testing.assert_allclose(moved[head], np.tile([0.5, 0.2, -0.3], (len(head), 1)), atol=1e-5)
+    np.testing.assert_allclose(moved[feet], 0, atol=1e-5)
+
+
+def test_a_bone_is_followed(body):
+    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = armature.data.edit_bones.new("Neck")
+    bone.head, bone.tail = (0, 0, 0.5), (0, 0, 2)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = body
+    constrain(body, "Feet", "PIN")
+    constrain(body, "Head", "OBJECT", target=armature, bone="Neck")
+    pose = armature.pose.bones["Neck"]
+    pose.rotation_mode = "XYZ"
+    pose.rotation_euler.x = math.radians(25)
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform()
+    motion = np.array(pose.matrix) @ np.linalg.inv(np.array(pose.bone.matrix_local))
+    head = members(body, "Head")
+    expected = key_positions(body, "Basis")[head] @ motion[:3, :3].T + motion[:3, 3]
+    np.testing.assert_allclose(key_positions(body)[head], expected, atol=1e-5)
+
+
+def test_a_shape_key_gives_the_targets(body):
+    body.shape_key_add(name="Basis")
+    target = body.shape_key_add(name="Smile")
+    shape = key_positions(body, "Basis")
+    shape[:, 1] += 0.4 * np.sin(shape[:, 0])
+    target.data.foreach_set("co", shape.astype(np.float32).ravel())
+    constrain(body, "Feet", "PIN")
+    constrain(body, "Head", "KEY", shape_key="Smile")
+    bpy.ops.spectral_tv.deform()
+    head = members(body, "Head")
+    np.testing.assert_allclose(key_positions(body)[head], shape[head], atol=1e-6)
+    np.testing.assert_allclose(key_positions(body, "Smile"), shape, atol=1e-6)
+
+
+def test_weights_below_one_are_springs(body):
+    constrain(body, "Feet", "PIN")
+    body.vertex_groups["Head"].add([int(i) for i in members(body, "Head")], 0.3, "REPLACE")
+    constrain(body, "Head", "OBJECT", target=empty((0, 0, 2)))
+    handle(body).location.x += 1
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform()
+    moved = (key_positions(body) - key_positions(body, "Basis"))[members(body, "Head"), 0]
+    assert 0.3 < moved.mean() < 0.99
+
+
+def test_deforming_again_overwrites_its_key_alone(held):
+    bpy.ops.spectral_tv.decompose(bands=3, steps=8)
+    bands = [key_positions(held, f"M1 Band {band}") for band in (1, 2, 3)]
+    handle(held).location.x += 0.5
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform()
+    first = key_positions(held)
+    held.data.shape_keys.key_blocks["Deformation"].value = 0.5
+    held.data.shape_keys.key_blocks["Deformation"].name = "Lean"
+    handle(held).location.x += 0.5
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform()
+    names = [key.name for key in held.data.shape_keys.key_blocks]
+    assert names == ["Basis", "M1 Band 1", "M1 Band 2", "M1 Band 3", "Lean"]
+    assert held.data.shape_keys.key_blocks["Lean"].value == 0.5
+    assert np.abs(key_positions(held, "Lean") - first).max() > 0.4
+    for band, before in enumerate(bands, start=1):
+        np.testing.assert_array_equal(key_positions(held, f"M1 Band {band}"), before)
+    bpy.ops.spectral_tv.cut(bands=2)
+    assert "Lean" in held.data.shape_keys.key_blocks
+
+
+def test_the_gap_and_parts_that_came_along_are_reported(held, capfd):
+    eye = bpy.data.meshes.new("Eye")
+    eye.from_pydata([(1.1, 0, 1.4), (1.2, 0, 1.4), (1.1, 0.1, 1.4)], [], [(0, 1, 2)])
+    part = bpy.data.objects.new("Eye", eye)
+    bpy.context.scene.collection.objects.link(part)
+    part.select_set(True)
+    bpy.ops.object.join()
+    handle(held).location.x += 0.5
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform(softness=0)
+    told = capfd.readouterr().out
+    assert "% of the optimum" in told and "3 vertices of parts without a constraint" in told
+    moved = key_positions(held) - key_positions(held, "Basis")
+    np.testing.assert_allclose(moved[-3:], np.tile([0.5, 0, 0], (3, 1)), atol=0.01)
+
+
+def spoil_group(obj):
+    obj.spectral_tv.constraints[1].vertex_group = "Tail"
+
+
+def spoil_members(obj):
+    obj.vertex_groups["Head"].remove([int(index) for index in members(obj, "Head")])
+
+
+def spoil_object(obj):
+    bpy.data.objects.remove(handle(obj))
+
+
+def spoil_overlap(obj):
+    obj.vertex_groups["Feet"].add([int(index) for index in members(obj, "Head")], 1.0, "ADD")
+    handle(obj).location.x += 1
+
+
+def spoil_all(obj):
+    obj.vertex_groups["Feet"].add(list(range(len(obj.data.vertices))), 1.0, "ADD")
+    obj.spectral_tv.constraints.remove(1)
+
+
+def spoil_key(obj):
+    obj.spectral_tv.constraints[1].kind = "KEY"
+    obj.spectral_tv.constraints[1].shape_key = "Smile"
+
+
+def spoil_place(obj):
+    handle(obj).location.x = math.nan
+
+
+@pytest.mark.parametrize(
+    ("spoil", "told"),
+    [
+        (spoil_group, "there is no vertex group 'Tail'"),
+        (spoil_members, "the vertex group 'Head' is empty"),
+        (spoil_object, "the object that moves 'Head' is missing"),
+        (spoil_overlap, "are in both 'Feet' and 'Head', which go to different places"),
+        (spoil_all, "nothing is left to deform"),
+        (spoil_key, "there is no shape key 'Smile' to move to"),
+        (spoil_place, "not finite"),
+    ],
+)
+def test_what_cannot_be_done_is_told_and_nothing_is_lost(held, spoil, told):
+    spoil(held)
+    bpy.context.view_layer.update()
+    before = coordinates(held.data.vertices)
+    with pytest.raises(RuntimeError, match=told):
+        bpy.ops.spectral_tv.deform()
+    np.testing.assert_array_equal(coordinates(held.data.vertices), before)
+    assert held.data.shape_keys is None
+
+
+def test_without_constraints_the_operator_says_what_is_missing(body):
+    with pytest.raises(RuntimeError, match="add a pin and a handle"):
+        bpy.ops.spectral_tv.deform()
+
+
+def test_constraints_are_made_of_a_selection(body):
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    body.vertex_groups.active_index = 0
+    assert bpy.ops.spectral_tv.constraint_add(kind="OBJECT") == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    (constraint,) = body.spectral_tv.constraints
+    assert len(members(body, constraint.vertex_group)) == len(body.data.vertices)
+    assert constraint.target.type == "EMPTY"
+    np.testing.assert_allclose(constraint.target.location, (0, 0, 0), atol=1e-5)
+
+    body.vertex_groups.active_index = body.vertex_groups["Head"].index
+    bpy.ops.spectral_tv.constraint_add(kind="PIN")
+    assert body.spectral_tv.constraints[1].vertex_group == "Head"
+    assert body.spectral_tv.active == 1
+    bpy.ops.spectral_tv.constraint_remove()
+    assert [each.kind for each in body.spectral_tv.constraints] == ["OBJECT"]
+
+
+def test_rest_is_where_the_handle_is_when_it_is_set(held):
+    handle(held).location.x += 1
+    bpy.context.view_layer.update()
+    held.spectral_tv.active = 1
+    bpy.ops.spectral_tv.constraint_rest()
+    bpy.ops.spectral_tv.deform()
+    np.testing.assert_allclose(key_positions(held), key_positions(held, "Basis"), atol=1e-6)
+
+
+def test_constraints_are_kept_in_the_file(held, tmp_path):
+    handle(held).location.x += 0.5
+    bpy.context.view_layer.update()
+    path = str(tmp_path / "held.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    obj = bpy.data.objects["Dumbbell"]
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.spectral_tv.deform()
+    head = members(obj, "Head")
+    moved = (key_positions(obj) - key_positions(obj, "Basis"))[head]
+    np.testing.assert_allclose(moved, np.tile([0.5, 0, 0], (len(head), 1)), atol=1e-6)
+
+
+def test_baking_gives_each_frame_its_shape(held):
+    pivot = handle(held)
+    scene = bpy.context.scene
+    for frame, x in ((1, 0.0), (9, 0.8)):
+        pivot.location.x = x
+        pivot.keyframe_insert("location", frame=frame)
+    scene.frame_set(4)
+    for _ in range(2):  # the second replaces the first
+        assert bpy.ops.spectral_tv.bake_deformation(frame_start=1, frame_end=9, step=4) == {
+            "FINISHED"
+        }
+    assert scene.frame_current == 4
+    names = [key.name for key in held.data.shape_keys.key_blocks]
+    assert names == ["Basis", "Deformation 1", "Deformation 5", "Deformation 9"]
+    shapes = {}
+    for frame in (1, 5, 7, 9):
+        scene.frame_set(frame)
+        shapes[frame] = evaluated(held)
+        offset = pivot.matrix_world.translation.x
+        head = members(held, "Head")
+        if frame != 7:
+            moved = shapes[frame][head, 0] - key_positions(held, "Basis")[head, 0]
+            np.testing.assert_allclose(moved, offset, atol=1e-5)
+    np.testing.assert_allclose(shapes[7], (shapes[5] + shapes[9]) / 2, atol=1e-6)
+
+
+def test_a_live_deformation_follows_and_settles_at_the_optimum(held):
+    live = import_module(f"{MODULE}.live").LiveDeformation(held)
+    for _ in range(10):
+        handle(held).location += Vector((0.05, 0, 0.02))
+        bpy.context.view_layer.update()
+        assert live.update()
+        head = members(held, "Head")
+        moved = (key_positions(held) - key_positions(held, "Basis"))[head, 0]
+        np.testing.assert_allclose(moved, handle(held).location.x, atol=1e-6)
+    live.settle()
+    assert live.is_settled and not live.update()
+    settled = key_positions(held)
+    bpy.ops.spectral_tv.deform()
+    mesh = spectral_tv.Mesh(key_positions(held, "Basis"), _triangles(held))
+    values = [
+        spectral_tv.total_variation(mesh, shape - key_positions(held, "Basis"))
+        for shape in (settled, key_positions(held))
+    ]
+    assert values[0] == pytest.approx(values[1], rel=2e-3)
+
+
+def test_a_live_deformation_ends_when_the_mesh_changes(held):
+    refusal = import_module(f"{MODULE}.objects").Refusal
+    live = import_module(f"{MODULE}.live").LiveDeformation(held)
+    live.update()
+    held.data.vertices.add(1)
+    with pytest.raises(refusal, match="vertices or faces changed"):
+        live.update()
+
+
+def _triangles(obj) -> list[list[int]]:
+    obj.data.calc_loop_triangles()
+    return [list(triangle.vertices) for triangle in obj.data.loop_triangles]
