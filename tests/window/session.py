@@ -9,6 +9,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from deform import deform
 from pictures import messages, new_monkey, panels
 from screen import (
     PICTURES,
@@ -41,6 +42,7 @@ def session() -> Steps[None]:
     yield from drag_a_slider()
     yield from undo_and_redo()
     yield from panels()
+    yield from deform()
     yield from messages()
     yield from quit_while_it_runs()
 
