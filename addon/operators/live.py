@@ -31,6 +31,11 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
         return cls._running is not None
 
     @classmethod
+    def object_name(cls) -> str:
+        """The object that is."""
+        return "" if cls._running is None else cls._running._object_name
+
+    @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if cls.is_running():
             return True

@@ -45,11 +45,17 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.active_object is not None and context.active_object.type == "MESH"
+        return _is_mesh(context.active_object) or SPECTRAL_TV_OT_deform_live.is_running()
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         obj = context.active_object
+        if not _is_mesh(obj):  # a handle is being dragged
+            text = f"End Live of {SPECTRAL_TV_OT_deform_live.object_name()}"
+            row = layout.row()
+            row.scale_y = 1.4
+            row.operator(SPECTRAL_TV_OT_deform_live.bl_idname, text=text, icon="PAUSE")
+            return
         deformation = constraints.deformation_of(obj)
         self._draw_list(layout, deformation)
         layout.use_property_split = True
@@ -115,6 +121,10 @@ class SPECTRAL_TV_PT_bake_deformation(Sidebar, bpy.types.Panel):
     bl_parent_id = "SPECTRAL_TV_PT_deform"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _is_mesh(context.active_object)
+
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
@@ -128,6 +138,10 @@ class SPECTRAL_TV_PT_bake_deformation(Sidebar, bpy.types.Panel):
         bake = layout.operator(SPECTRAL_TV_OT_bake_deformation.bl_idname, icon="ACTION")
         bake.frame_start, bake.frame_end = scene.frame_start, scene.frame_end
         bake.step = deformation.bake_step
+
+
+def _is_mesh(obj: bpy.types.Object | None) -> bool:
+    return obj is not None and obj.type == "MESH"
 
 
 CLASSES = (

@@ -59,9 +59,10 @@ def drag_live(obj: bpy.types.Object) -> Steps[None]:
     offset = handle.matrix_world.translation.x
     assert abs(offset) > 0.05
     yield from until(lambda: abs(leaning(obj) - offset) < 1e-4, "the mesh to arrive")
+    yield from click(*(yield from find("spectral_tv.deform_live")))  # the handle is still active
     activate(obj)
     yield from away()
-    yield from click(*(yield from find("spectral_tv.deform_live", column=0.75)))
+    handle.location.x = 0
     yield 0.5
     assert abs(leaning(obj) - offset) < 1e-4
     yield from picture("live_ended")
@@ -71,7 +72,7 @@ def deform_once(obj: bpy.types.Object) -> Steps[None]:
     """The button works the exact answer out; one undo takes it back."""
     before = leaning(obj)
     handle = obj.spectral_tv.constraints[1].target
-    handle.location.x += 0.4
+    handle.location.x = before + 0.4
     bpy.ops.ed.undo_push(message="Move the handle")
     yield from click(*(yield from find("spectral_tv.deform(", column=0.3)))
     yield from until(lambda: abs(leaning(obj) - before - 0.4) < 1e-4, "the deformation")
