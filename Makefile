@@ -52,6 +52,8 @@ pictures: $(EXTENSION_STAMP)
 	mkdir -p docs/pictures
 	cp .build/pictures/creature.png docs/pictures/filters.png
 	$(BIN)/python -m tools.demo.methods .build/pictures/creature.blend docs/pictures
+	$(BIN)/python -m tools.demo.deformations .build/pictures/creature.blend \
+	  docs/pictures/deformations.png
 
 clean:
 	rm -rf $(VENV) target dist demo .build

@@ -16,6 +16,7 @@ PICTURES = {
     "panel_bands": ("4_bands", 280, 668),
     "panel_filters": ("4_bands", 668, 830),
     "panel_curve": ("panel_curve", 892, 1206),
+    "panel_deform": ("panel_deform", 341, 696),
 }
 
 
