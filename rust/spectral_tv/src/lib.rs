@@ -5,6 +5,8 @@
 //! transform, and filters made of it. Data flows through the modules in this order:
 //!
 //! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
+//!
+//! [`deformation`] stands beside the flows, on [`minimization`].
 
 #![forbid(unsafe_code)]
 
