@@ -1,13 +1,14 @@
-"""The command line: ``blender --command spectral_tv decompose INPUT -o OUTPUT``."""
+"""The command line: ``blender --command spectral_tv VERB INPUT -o OUTPUT``."""
 
 import argparse
 import signal
 
 import bpy
 
-from . import decompose
+from .decompose import Decompose
 
 NAME = "spectral_tv"
+VERBS = (Decompose(),)
 INTERRUPTED = 130
 
 
@@ -20,7 +21,8 @@ def run(arguments: list[str]) -> int:
         description="Split meshes into bands of detail, filter them, and write or picture them.",
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    decompose.add_parser(commands)
+    for verb in VERBS:
+        verb.add_parser(commands)
     try:
         choices = parser.parse_args(arguments)
         return choices.run(choices)

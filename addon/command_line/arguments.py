@@ -1,40 +1,24 @@
-"""Reading and checking the arguments of the command line."""
+"""Reading and checking the arguments that every verb takes."""
 
 import argparse
-from collections.abc import Callable, Sequence
-from itertools import pairwise
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
-from ..gains import curve_values
-from ..settings import METHODS, Settings
-from ..shape_keys import SLIDER_RANGE
 from . import files
 
-# A key's value is the gain less one.
-LEAST_GAIN, MOST_GAIN = SLIDER_RANGE[0] + 1, SLIDER_RANGE[1] + 1
-
-DESCRIPTION = """\
-Split the meshes of files into bands of detail, filter them, and write them.
-
-A .blend keeps the bands as shape keys, set to the gains; .glb, .gltf and .fbx carry them too.
-All other formats hold the filtered shape."""
-EXAMPLES = """\
-examples:
-  blender --command spectral_tv decompose dragon.ply -o dragon.blend --bands 5
-  blender --command spectral_tv decompose scan.obj -o smooth.obj --gain 1=0 --gain 2=0.5
-  blender --command spectral_tv decompose *.ply -o results --curve 0:0,0.5:1,1:2 --render results
-
-exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"""
+EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments of ``decompose``."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.description = DESCRIPTION
+def epilog(examples: str) -> str:
+    """What a verb's help ends with."""
     reads, writes = " ".join(files.importable()), " ".join(files.exportable())
-    parser.epilog = f"reads:  {reads}\nwrites: {writes}\n\n{EXAMPLES}"
+    return f"reads:  {reads}\nwrites: {writes}\n\nexamples:\n{examples}\n\n{EXIT_CODES}"
+
+
+def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> None:
+    """Declare the arguments; ``verb`` is what is done to objects, ``result`` what they are then."""
     add = parser.add_argument
     add("inputs", metavar="INPUT", nargs="+", type=_path, help="a file that Blender imports")
     add("-o", "--output", type=_path, help="the file to write, or a folder that exists")
@@ -48,101 +32,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--render",
         metavar="PICTURE",
         type=_path,
-        help="picture the filtered objects: a .png, or a folder that exists",
+        help=f"picture the {result} objects: a .png, or a folder that exists",
     )
     add(
         "--object",
         metavar="NAME",
         dest="objects",
         action="append",
-        help="decompose this object instead of every mesh with faces; repeatable. Formats other "
-        "than .blend then hold nothing else",
+        help=f"{verb} this object instead of all; repeatable. Formats other than .blend then hold "
+        "nothing else",
     )
-    methods = ", ".join(f"{name.lower()}: {label}" for name, label, _ in METHODS)
-    add(
-        "--method",
-        type=str.lower,
-        choices=[name.lower() for name, _, _ in METHODS],
-        default="m1",
-        help=f"what the bands split off ({methods}); default m1",
-    )
-    add("--bands", metavar="N", type=_whole(1, 32), default=5, help="1 to 32; default 5")
-    add("--steps", metavar="N", type=_whole(2, 1000), default=32, help="of the flow; default 32")
-    add("--finest", metavar="PERCENT", type=_percent, default=0.0, help="the finest detail told "
-        "apart, in percent of the object's size")  # fmt: skip
-    add("--largest", metavar="PERCENT", type=_percent, default=0.0, help="the largest features "
-        "that bands hold, in percent of the object's size")  # fmt: skip
-    add(
-        "--base",
-        metavar="{flow,flat,KEY}",
-        help="from what m3 measures detail: the object smoothed (default), the object flattened "
-        "along its Z axis, or a shape key by its name",
-    )
-    add("--base-amount", metavar="PERCENT", type=_percent, help="size of the features that vanish "
-        "from the smoothed base, in percent of the object's size")  # fmt: skip
-    add("--vertex-group", metavar="NAME", default="", help="limits where the bands have an effect")
-    add(
-        "--gain",
-        metavar="BAND=GAIN",
-        dest="gains",
-        type=_gain,
-        action="append",
-        default=[],
-        help="0 removes a band, 1 keeps it, 2 doubles it; bands count from 1, the finest, or all. "
-        "Repeatable, later ones win",
-    )
-    add(
-        "--curve",
-        metavar="X:Y,X:Y,…",
-        type=_curve,
-        help="gains as a curve: X from 0, the finest, to 1, the largest; Y the gain. --gain wins",
-    )
-
-
-def settings(choices: argparse.Namespace) -> Settings:
-    """The settings that the arguments ask for."""
-    base = choices.base or "flow"
-    is_key = base not in ("flow", "flat")
-    return Settings(
-        method=choices.method.upper(),
-        bands=choices.bands,
-        steps=choices.steps,
-        finest=choices.finest,
-        largest=choices.largest,
-        base="KEY" if is_key else base.upper(),
-        base_amount=choices.base_amount or 0.0,
-        base_key=base if is_key else "",
-        vertex_group=choices.vertex_group,
-    )
-
-
-def band_values(choices: argparse.Namespace) -> list[float]:
-    """The value of every band's shape key."""
-    values = [0.0] * choices.bands
-    if choices.curve is not None:
-        positions, heights = zip(*choices.curve, strict=True)
-        values = curve_values(lambda x: float(np.interp(x, positions, heights)), choices.bands)
-    for band, gain in choices.gains:
-        for index in range(choices.bands) if band is None else (band - 1,):
-            values[index] = gain - 1
-    return values
 
 
 def complaint(choices: argparse.Namespace) -> str | None:
     """What is wrong with the arguments together; None if nothing is."""
     if choices.output is None and choices.render is None:
         return "say where the result goes: -o, --render or both"
-    if choices.bands >= choices.steps:
-        return f"{choices.bands} bands need more than {choices.steps} steps"
-    if 0 < choices.largest <= choices.finest:
-        return "--largest has to be larger than --finest"
-    if choices.method != "m3" and (choices.base or choices.base_amount):
-        return "--base and --base-amount go with --method m3"
-    if choices.base_amount and choices.base not in (None, "flow"):
-        return "--base-amount goes with the smoothed base, --base flow"
-    for band, _ in choices.gains:
-        if band is not None and band > choices.bands:
-            return f"there is no band {band} among {choices.bands}"
     if choices.format is not None and not (choices.output and choices.output.is_dir()):
         return "--format goes with -o and a folder that exists"
     for name, place in (("-o", choices.output), ("--render", choices.render)):
@@ -189,11 +94,9 @@ def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
     return None
 
 
-def _path(text: str) -> Path:
-    return Path(text).expanduser()
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """A type of argument: a whole number."""
 
-
-def _whole(least: int, most: int) -> Callable[[str], int]:
     def read(text: str) -> int:
         if not (text.isdecimal() and least <= int(text) <= most):
             raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least} to {most}")
@@ -202,33 +105,22 @@ def _whole(least: int, most: int) -> Callable[[str], int]:
     return read
 
 
-def _number(text: str, least: float, most: float) -> float:
+def number(text: str, least: float, most: float) -> float:
+    """Read a number."""
     try:
-        number = float(text)
+        value = float(text)
     except ValueError:
-        number = np.nan
-    if not least <= number <= most:
+        value = np.nan
+    if not least <= value <= most:
         message = f"{text!r} is not a number from {least:g} to {most:g}"
         raise argparse.ArgumentTypeError(message)
-    return number
+    return value
 
 
-def _percent(text: str) -> float:
-    return _number(text.removesuffix("%"), 0.01, 100) / 100
+def percent(text: str, least: float = 0.01) -> float:
+    """Read a percentage; the sign is optional."""
+    return number(text.removesuffix("%"), least, 100)
 
 
-def _gain(text: str) -> tuple[int | None, float]:
-    band, _, gain = text.partition("=")
-    if band != "all" and not (band.isdecimal() and int(band) > 0):
-        raise argparse.ArgumentTypeError(f"{text!r} is not BAND=GAIN, such as 1=0 or all=2")
-    return (None if band == "all" else int(band)), _number(gain, LEAST_GAIN, MOST_GAIN)
-
-
-def _curve(text: str) -> Sequence[tuple[float, float]]:
-    points = []
-    for point in text.split(","):
-        x, _, y = point.partition(":")
-        points.append((_number(x, 0, 1), _number(y, LEAST_GAIN, MOST_GAIN)))
-    if any(a[0] >= b[0] for a, b in pairwise(points)):
-        raise argparse.ArgumentTypeError(f"the X of {text!r} have to increase")
-    return points
+def _path(text: str) -> Path:
+    return Path(text).expanduser()

@@ -1,98 +1,175 @@
 """``decompose``: files in, bands or filtered shapes out."""
 
 import argparse
-from pathlib import Path
+from collections.abc import Sequence
+from itertools import pairwise
 
 import bpy
+import numpy as np
 import spectral_tv
 
 from ..bands import add_bands, prepare, set_values
-from ..objects import Refusal, refusal
-from ..settings import Settings
-from . import files, picture
-from .arguments import add_arguments, band_values, complaint, outputs, settings
-from .progress import progress, say
+from ..gains import curve_values
+from ..settings import METHODS, Settings
+from ..shape_keys import SLIDER_RANGE
+from .arguments import number, percent, whole
+from .progress import progress
+from .verb import Task, Verb
 
-FAILED = 1
-
-
-def add_parser(commands: argparse._SubParsersAction) -> None:
-    """Add the sub-command to the command line."""
-    parser = commands.add_parser("decompose", help="split meshes into bands of detail")
-    add_arguments(parser)
-    parser.set_defaults(run=run, parser=parser)
+# A key's value is the gain less one.
+LEAST_GAIN, MOST_GAIN = SLIDER_RANGE[0] + 1, SLIDER_RANGE[1] + 1
 
 
-def run(choices: argparse.Namespace) -> int:
-    """Treat every input, those that fail too, and return the exit code."""
-    reason = complaint(choices)
-    if reason is not None:
-        choices.parser.error(reason)
-    results = [_try(choices, source) for source in choices.inputs]
-    if len(results) > 1:
-        say(f"{sum(results)} of {len(results)} inputs succeeded")
-    return 0 if all(results) else FAILED
+class Decompose(Verb):
+    """Splits objects into bands, and filters them."""
 
+    name = "decompose"
+    summary = "split meshes into bands of detail"
+    result = "filtered"
+    description = """\
+Split the meshes of files into bands of detail, filter them, and write them.
 
-def _try(choices: argparse.Namespace, source: Path) -> bool:
-    try:
-        _treat(choices, source)
-    except (Refusal, spectral_tv.MeshError, RuntimeError, ValueError, OSError) as error:
-        say(f"{source}: error: {_reason(error)}")
-        return False
-    return True
+A .blend keeps the bands as shape keys, set to the gains; .glb, .gltf and .fbx carry them too.
+All other formats hold the filtered shape."""
+    examples = """\
+  blender --command spectral_tv decompose dragon.ply -o dragon.blend --bands 5
+  blender --command spectral_tv decompose scan.obj -o smooth.obj --gain 1=0 --gain 2=0.5
+  blender --command spectral_tv decompose *.ply -o results --curve 0:0,0.5:1,1:2 --render results"""
 
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Declare what is split off, and how it is filtered."""
+        add = parser.add_argument
+        methods = ", ".join(f"{name.lower()}: {label}" for name, label, _ in METHODS)
+        add(
+            "--method",
+            type=str.lower,
+            choices=[name.lower() for name, _, _ in METHODS],
+            default="m1",
+            help=f"what the bands split off ({methods}); default m1",
+        )
+        add("--bands", metavar="N", type=whole(1, 32), default=5, help="1 to 32; default 5")
+        add("--steps", metavar="N", type=whole(2, 1000), default=32, help="of the flow; default 32")
+        add(
+            "--finest",
+            metavar="PERCENT",
+            type=_share,
+            default=0.0,
+            help="the finest detail told apart, in percent of the object's size",
+        )
+        add(
+            "--largest",
+            metavar="PERCENT",
+            type=_share,
+            default=0.0,
+            help="the largest features that bands hold, in percent of the object's size",
+        )
+        add(
+            "--base",
+            metavar="{flow,flat,KEY}",
+            help="from what m3 measures detail: the object smoothed (default), the object "
+            "flattened along its Z axis, or a shape key by its name",
+        )
+        add(
+            "--base-amount",
+            metavar="PERCENT",
+            type=_share,
+            help="size of the features that vanish from the smoothed base, in percent of the "
+            "object's size",
+        )
+        add(
+            "--vertex-group",
+            metavar="NAME",
+            default="",
+            help="limits where the bands have an effect",
+        )
+        add(
+            "--gain",
+            metavar="BAND=GAIN",
+            dest="gains",
+            type=_gain,
+            action="append",
+            default=[],
+            help="0 removes a band, 1 keeps it, 2 doubles it; bands count from 1, the finest, or "
+            "all. Repeatable, later ones win",
+        )
+        add(
+            "--curve",
+            metavar="X:Y,X:Y,…",
+            type=_curve,
+            help="gains as a curve: X from 0, the finest, to 1, the largest; Y the gain. --gain "
+            "wins",
+        )
 
-def _treat(choices: argparse.Namespace, source: Path) -> None:
-    files.load(source.absolute())
-    objects = _chosen(choices.objects)
-    asked, values = settings(choices), band_values(choices)
-    treated = set()
-    for obj in objects:
-        if obj.data not in treated:  # objects may share a mesh
-            treated.add(obj.data)
-            _decompose(obj, asked, values, f"{source}: {obj.name}")
-    file, shot = outputs(choices, source)
-    if file is not None:
-        files.save(file.absolute(), objects if choices.objects else None)
-        say(f"{source}: wrote {file}")
-    if shot is not None:
-        picture.render(objects, shot.absolute())
-        say(f"{source}: wrote {shot}")
+    def complaint(self, choices: argparse.Namespace) -> str | None:
+        """What is wrong with them together."""
+        if choices.bands >= choices.steps:
+            return f"{choices.bands} bands need more than {choices.steps} steps"
+        if 0 < choices.largest <= choices.finest:
+            return "--largest has to be larger than --finest"
+        if choices.method != "m3" and (choices.base or choices.base_amount):
+            return "--base and --base-amount go with --method m3"
+        if choices.base_amount and choices.base not in (None, "flow"):
+            return "--base-amount goes with the smoothed base, --base flow"
+        for band, _ in choices.gains:
+            if band is not None and band > choices.bands:
+                return f"there is no band {band} among {choices.bands}"
+        return None
 
-
-def _chosen(names: list[str] | None) -> list[bpy.types.Object]:
-    """The objects of the scene to decompose."""
-    present = bpy.context.view_layer.objects
-    if names is None:
-        meshes = [obj for obj in present if obj.type == "MESH" and len(obj.data.polygons) > 0]
-        if not meshes:
-            raise Refusal("there is no mesh with faces in it")
-        return meshes
-    for name in names:
-        if name not in present:
-            raise Refusal(f"there is no object {name!r} in it")
-    return [present[name] for name in dict.fromkeys(names)]
-
-
-def _decompose(obj: bpy.types.Object, asked: Settings, values: list[float], label: str) -> None:
-    reason = refusal(obj)
-    if reason is not None:
-        raise Refusal(f"{obj.name}: {reason}")
-    try:
+    def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
+        """Give ``obj`` its bands."""
+        asked = settings(choices)
         surface, arguments = prepare(obj, asked)
-        with progress(label) as show:
+        with progress(task.label) as show:
             split = spectral_tv.decompose(surface.mesh, **arguments, progress=show)
         add_bands(obj, asked, surface, arguments, split)
-    except (Refusal, spectral_tv.MeshError) as error:
-        raise Refusal(f"{obj.name}: {error}") from error
-    set_values(obj, values)
+        set_values(obj, band_values(choices))
 
 
-def _reason(error: Exception) -> str:
-    """The message of an error in one line; Blender's own begin with a label, and may be many."""
-    lines = [line.strip() for line in str(error).splitlines()]
-    told = [line for line in lines if line and not line.startswith("Location:")]
-    if any(line.startswith("Traceback") or "Python: Traceback" in line for line in told):
-        told = told[-1:]
-    return "; ".join(line.removeprefix("Error: ") for line in told) or type(error).__name__
+def settings(choices: argparse.Namespace) -> Settings:
+    """The settings that the arguments ask for."""
+    base = choices.base or "flow"
+    is_key = base not in ("flow", "flat")
+    return Settings(
+        method=choices.method.upper(),
+        bands=choices.bands,
+        steps=choices.steps,
+        finest=choices.finest,
+        largest=choices.largest,
+        base="KEY" if is_key else base.upper(),
+        base_amount=choices.base_amount or 0.0,
+        base_key=base if is_key else "",
+        vertex_group=choices.vertex_group,
+    )
+
+
+def band_values(choices: argparse.Namespace) -> list[float]:
+    """The value of every band's shape key."""
+    values = [0.0] * choices.bands
+    if choices.curve is not None:
+        positions, heights = zip(*choices.curve, strict=True)
+        values = curve_values(lambda x: float(np.interp(x, positions, heights)), choices.bands)
+    for band, gain in choices.gains:
+        for index in range(choices.bands) if band is None else (band - 1,):
+            values[index] = gain - 1
+    return values
+
+
+def _share(text: str) -> float:
+    return percent(text) / 100
+
+
+def _gain(text: str) -> tuple[int | None, float]:
+    band, _, gain = text.partition("=")
+    if band != "all" and not (band.isdecimal() and int(band) > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not BAND=GAIN, such as 1=0 or all=2")
+    return (None if band == "all" else int(band)), number(gain, LEAST_GAIN, MOST_GAIN)
+
+
+def _curve(text: str) -> Sequence[tuple[float, float]]:
+    points = []
+    for point in text.split(","):
+        x, _, y = point.partition(":")
+        points.append((number(x, 0, 1), number(y, LEAST_GAIN, MOST_GAIN)))
+    if any(a[0] >= b[0] for a, b in pairwise(points)):
+        raise argparse.ArgumentTypeError(f"the X of {text!r} have to increase")
+    return points
