@@ -1,6 +1,7 @@
 """The deformation of an object: from its constraints to a shape key."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 import numpy as np
@@ -8,6 +9,7 @@ import spectral_tv
 
 from .constraints import deformation_of
 from .handles import Handles
+from .objects import refusal
 from .records import coordinates, digest
 from .shape_keys import add_displacements, set_displacement
 from .surface import Surface
@@ -44,6 +46,31 @@ class Deformable:
         """What a result moves every vertex of the object by, in object space, (V, 3)."""
         moved = result.vertices - self.surface.mesh.vertices
         return self.surface.to_object(moved[np.newaxis])[0]
+
+
+def deform_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why ``obj`` cannot be deformed now, in a sentence for the user; None if it can."""
+    reason = refusal(obj)
+    if reason is None and not deformation_of(obj).constraints:
+        reason = "The object has no constraints; add a pin and a handle"
+    return reason
+
+
+def prepare(
+    obj: bpy.types.Object, algorithm: str, softness: float
+) -> tuple[Deformable, dict[str, Any]]:
+    """What is read of ``obj``, and the keyword arguments of spectral_tv.deform.
+
+    ``softness`` is in percent. Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
+    """
+    deformable = Deformable.read(obj)
+    return deformable, {
+        "indices": deformable.indices,
+        "targets": deformable.targets(obj),
+        "weights": deformable.handles.weights,
+        "softness": deformable.softness(softness) if algorithm == "CONVEX" else 0.0,
+        "algorithm": algorithm.lower(),
+    }
 
 
 def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:

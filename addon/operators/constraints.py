@@ -2,9 +2,9 @@
 
 import bpy
 from bpy.props import EnumProperty
-from mathutils import Vector
 
 from .. import constraints
+from ..empties import add_empty
 from ..objects import Refusal, refusal
 
 
@@ -50,7 +50,7 @@ class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
             return {"CANCELLED"}
         constraint = constraints.add(obj, group, self.kind)
         if self.kind == "OBJECT":
-            constraint.target = _new_empty(context, obj, group)
+            constraint.target = add_empty(obj, group)
         return {"FINISHED"}
 
 
@@ -90,26 +90,6 @@ def _selected_group(obj: bpy.types.Object, label: str) -> str:
     elif obj.vertex_groups.active is None:
         raise Refusal("it has no vertex group; select the vertices in Edit Mode, or make one")
     return obj.vertex_groups.active.name
-
-
-def _new_empty(context: bpy.types.Context, obj: bpy.types.Object, group: str) -> bpy.types.Object:
-    """An empty in the middle of a vertex group, to move it by."""
-    obj.update_from_editmode()
-    index = obj.vertex_groups[group].index
-    members = [
-        vertex.co
-        for vertex in obj.data.vertices
-        if any(membership.group == index for membership in vertex.groups)
-    ]
-    empty = bpy.data.objects.new(f"{obj.name} {group}", None)
-    empty.empty_display_type = "ARROWS"
-    empty.empty_display_size = max(max(obj.dimensions) / 6, 1e-3)
-    if members:
-        empty.location = obj.matrix_world @ (sum(members, Vector()) / len(members))
-    for collection in obj.users_collection or [context.scene.collection]:
-        collection.objects.link(empty)
-    context.view_layer.update()
-    return empty
 
 
 CLASSES = (

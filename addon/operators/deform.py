@@ -7,8 +7,7 @@ import bpy
 import spectral_tv
 
 from ..constraints import DeformationProperties, deformation_of
-from ..deformation import Deformable, message, write
-from ..objects import refusal
+from ..deformation import Deformable, deform_refusal, message, prepare, write
 from ._job import JobOperator
 
 # What was read of the object, and the arguments of spectral_tv.deform.
@@ -32,15 +31,7 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operat
         for name in DeformationProperties.__annotations__:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(deformation_of(obj), name))
-        deformable = Deformable.read(obj)
-        is_convex = self.algorithm == "CONVEX"
-        return deformable, {
-            "indices": deformable.indices,
-            "targets": deformable.targets(obj),
-            "weights": deformable.handles.weights,
-            "softness": deformable.softness(self.softness) if is_convex else 0.0,
-            "algorithm": self.algorithm.lower(),
-        }
+        return prepare(obj, self.algorithm, self.softness)
 
     def work(
         self, prepared: Prepared, progress: Callable[[float], None]
@@ -67,14 +58,6 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operat
         row = layout.row()
         row.active = self.algorithm == "CONVEX"
         row.prop(self, "softness")
-
-
-def deform_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Why ``obj`` cannot be deformed now, in a sentence for the user; None if it can."""
-    reason = refusal(obj)
-    if reason is None and not deformation_of(obj).constraints:
-        reason = "The object has no constraints; add a pin and a handle"
-    return reason
 
 
 CLASSES = (SPECTRAL_TV_OT_deform,)

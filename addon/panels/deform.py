@@ -3,13 +3,14 @@
 import bpy
 
 from .. import constraints, jobs
+from ..deformation import deform_refusal
 from ..operators.bake_deformation import SPECTRAL_TV_OT_bake_deformation
 from ..operators.constraints import (
     SPECTRAL_TV_OT_constraint_add,
     SPECTRAL_TV_OT_constraint_remove,
     SPECTRAL_TV_OT_constraint_rest,
 )
-from ..operators.deform import SPECTRAL_TV_OT_deform, deform_refusal
+from ..operators.deform import SPECTRAL_TV_OT_deform
 from ..operators.live import SPECTRAL_TV_OT_deform_live
 from ._sidebar import Sidebar, draw_progress, say
 

@@ -1,0 +1,27 @@
+"""Empties to move vertex groups by."""
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+from .handles import group_weights
+from .surface import basis_coordinates
+
+
+def add_empty(obj: bpy.types.Object, group: str) -> bpy.types.Object:
+    """Add an empty in the middle of a vertex group, or at the object if that is empty."""
+    obj.update_from_editmode()
+    index = obj.vertex_groups[group].index
+    members, _ = group_weights(obj, {index})[index]
+    empty = bpy.data.objects.new(f"{obj.name} {group}", None)
+    empty.empty_display_type = "ARROWS"
+    empty.empty_display_size = max(max(obj.dimensions) / 6, 1e-3)
+    for collection in obj.users_collection or [bpy.context.scene.collection]:
+        collection.objects.link(empty)
+    middle = np.zeros(3)
+    if len(members):
+        middle = basis_coordinates(obj.data)[members].mean(axis=0)
+    # The matrix, as hidden objects' locations are not evaluated.
+    empty.matrix_world = Matrix.Translation(obj.matrix_world @ Vector(middle))
+    bpy.context.view_layer.update()
+    return empty
