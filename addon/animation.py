@@ -1,8 +1,9 @@
-"""Animating the values of shape keys."""
+"""Animating the values of shape keys, and the places of objects."""
 
 from collections.abc import Sequence
 
 import bpy
+from mathutils import Vector
 
 
 def play_in_turn(
@@ -13,22 +14,34 @@ def play_in_turn(
         for other in frames[max(index - 1, 0) : index + 2]:
             key.value = 1.0 if other == frame else 0.0
             key.keyframe_insert("value", frame=other)
-        curve = _curves(obj).find(key.path_from_id("value"))
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
+        _make_linear(_curves(obj.data.shape_keys).find(key.path_from_id("value")))
+
+
+def travel(obj: bpy.types.Object, places: Sequence[Vector], frames: Sequence[int]) -> None:
+    """Keyframe the location of ``obj`` to each place on its frame, linearly."""
+    for place, frame in zip(places, frames, strict=True):
+        obj.location = place
+        obj.keyframe_insert("location", frame=frame)
+    for curve in _curves(obj):
+        _make_linear(curve)
 
 
 def remove_animation(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
     """Remove the animation of a key's value, if there is any."""
-    curves = _curves(obj)
+    curves = _curves(obj.data.shape_keys)
     curve = curves.find(key.path_from_id("value")) if curves is not None else None
     if curve is not None:
         curves.remove(curve)
 
 
-def _curves(obj: bpy.types.Object) -> bpy.types.bpy_prop_collection | None:
-    """The curves that animate the shape keys of ``obj``."""
-    animation = obj.data.shape_keys.animation_data
+def _make_linear(curve: bpy.types.FCurve) -> None:
+    for point in curve.keyframe_points:
+        point.interpolation = "LINEAR"
+
+
+def _curves(data: bpy.types.ID) -> bpy.types.bpy_prop_collection | None:
+    """The curves that animate ``data``."""
+    animation = data.animation_data
     if animation is None or animation.action is None:
         return None
     action = animation.action

@@ -6,9 +6,10 @@ import signal
 import bpy
 
 from .decompose import Decompose
+from .deform import Deform
 
 NAME = "spectral_tv"
-VERBS = (Decompose(),)
+VERBS = (Decompose(), Deform())
 INTERRUPTED = 130
 
 
@@ -18,7 +19,7 @@ def run(arguments: list[str]) -> int:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     parser = argparse.ArgumentParser(
         prog=f"blender --command {NAME}",
-        description="Split meshes into bands of detail, filter them, and write or picture them.",
+        description="Filter the detail of meshes, or move parts of them; write or picture them.",
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for verb in VERBS:

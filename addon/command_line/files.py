@@ -103,6 +103,9 @@ def _export(path: Path, only: Iterable[bpy.types.Object] | None) -> None:
     options = dict(form.options)
     if path.suffix.lower() == ".abc":  # otherwise a copy of the shape for every frame
         options["start"] = options["end"] = bpy.context.scene.frame_current
+    if path.suffix.lower() == ".fbx" and any(keys.animation_data for keys in bpy.data.shape_keys):
+        # One take for all of the animation: takes of single actions leave out shape keys.
+        options["bake_anim_use_nla_strips"] = options["bake_anim_use_all_actions"] = False
     if only is not None:
         for obj in bpy.context.view_layer.objects:
             obj.select_set(False)

@@ -27,7 +27,9 @@ def render(objects: Sequence[bpy.types.Object], path: Path) -> None:
     It leaves a scene behind, and shows objects that were hidden. Raises Refusal or RuntimeError
     if there is nothing to see or no picture comes of it.
     """
+    shown = bpy.context.scene
     scene = bpy.data.scenes.new("Picture")
+    scene.frame_set(shown.frame_current, subframe=shown.frame_subframe)
     for obj in objects:
         obj.hide_render = obj.hide_viewport = False
         scene.collection.objects.link(obj)

@@ -33,6 +33,11 @@ def write_monkey(path: Path) -> Path:
     noise = np.random.default_rng(1).normal(0, 0.01, (len(vertices), 3))
     for vertex, offset in zip(vertices, noise, strict=True):
         vertex.co += Vector(offset)
+    return write_scene(path)
+
+
+def write_scene(path: Path) -> Path:
+    """Write all that there is, in the format of the path's suffix."""
     path.parent.mkdir(exist_ok=True)
     if path.suffix == ".blend":
         bpy.data.libraries.write(str(path), {bpy.context.scene})

@@ -1,0 +1,181 @@
+"""``deform``: files in, shapes out of which parts were moved."""
+
+import argparse
+import re
+
+import bpy
+import numpy as np
+import spectral_tv
+from mathutils import Matrix, Vector
+
+from .. import baking, constraints
+from ..animation import travel
+from ..constraints import ALGORITHMS, deformation_of
+from ..deformation import message, prepare, write
+from ..empties import add_empty
+from ..objects import Refusal
+from . import files
+from .arguments import percent
+from .places import group_of
+from .progress import progress, say
+from .verb import Task, Verb
+
+FRAMES = re.compile(r"(-?\d{1,6})-(-?\d{1,6})(?::(\d{1,6}))?")
+
+
+class Deform(Verb):
+    """Moves parts of objects, and has the others follow."""
+
+    name = "deform"
+    summary = "move parts of meshes and have the others follow in rigid pieces"
+    result = "deformed"
+    description = """\
+Move parts of the meshes of files, hold others, and have the rest follow in rigid pieces.
+
+WHERE is a vertex group by its name, or a region of the object's bounding box along an axis of
+Blender's world (Z is up) such as 'z<10%' or 'x>90%'. Without --pin and --move the objects that
+hold constraints in the file are deformed by them.
+
+A .blend keeps the deformation as a shape key, the parts as vertex groups and constraints, and an
+empty per --move to drag on; .glb, .gltf and .fbx carry the shape key too. All other formats hold
+the deformed shape, with --frames that of the current frame."""
+    examples = """\
+  blender --command spectral_tv deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
+  blender --command spectral_tv deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10
+  blender --command spectral_tv deform rigged.blend -o baked.glb --frames 1-40:2"""
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Declare what moves, and how the others follow."""
+        add = parser.add_argument
+        add(
+            "--pin",
+            metavar="WHERE",
+            dest="pins",
+            action="append",
+            default=[],
+            help="hold this part where it is; repeatable",
+        )
+        add(
+            "--move",
+            metavar="WHERE:DX,DY,DZ",
+            dest="moves",
+            type=_move,
+            action="append",
+            default=[],
+            help="move this part by an offset in the world; repeatable. With --pin in place of the "
+            "constraints in the file",
+        )
+        told = ", ".join(f"{name.lower()}: {label}" for name, label, _ in ALGORITHMS)
+        add(
+            "--algorithm",
+            type=str.lower,
+            choices=[name.lower() for name, _, _ in ALGORITHMS],
+            help=f"how the others follow ({told}); default: the object's own, at first convex",
+        )
+        add(
+            "--softness",
+            metavar="PERCENT",
+            type=lambda text: percent(text, 0),
+            help="width of the stretched zone, in percent of the object's size; default: the "
+            "object's own, at first 5",
+        )
+        add(
+            "--frames",
+            metavar="START-END[:STEP]",
+            type=_frames,
+            help="a shape key for each of these frames, played in turn as the handles move; those "
+            "of --move go their way from the first to the last",
+        )
+
+    def complaint(self, choices: argparse.Namespace) -> str | None:
+        """What is wrong with them together."""
+        if choices.pins and not choices.moves:
+            return "--pin alone moves nothing; add --move"
+        for name in ("softness", "frames"):
+            if getattr(choices, name) is not None and choices.algorithm not in (None, "convex"):
+                return f"--{name} goes with --algorithm convex"
+        return None
+
+    def choose(self, choices: argparse.Namespace) -> list[bpy.types.Object]:
+        """All meshes, or those with constraints if none are given."""
+        meshes = super().choose(choices)
+        if choices.moves:
+            return meshes
+        held = [obj for obj in meshes if deformation_of(obj).constraints]
+        if not held:
+            raise Refusal("no object in it has constraints; give some with --pin and --move")
+        return held
+
+    def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
+        """Give ``obj`` the shape keys of its deformation."""
+        deformation = deformation_of(obj)
+        if choices.algorithm is not None:
+            deformation.algorithm = choices.algorithm.upper()
+        if choices.softness is not None:
+            deformation.softness = choices.softness
+        empties = _constrain(obj, choices) if choices.moves else []
+        done = _deform(obj, task) if choices.frames is None else _bake(obj, choices.frames, task)
+        say(f"{task.label}: {done}")
+        if task.file is None or task.file.suffix.lower() != files.BLEND:
+            bpy.data.batch_remove(empties)
+
+
+def _constrain(obj: bpy.types.Object, choices: argparse.Namespace) -> list[bpy.types.Object]:
+    """Replace the constraints of ``obj`` by those asked for, and return their handles."""
+    deformation_of(obj).constraints.clear()
+    for where in choices.pins:
+        constraints.add(obj, group_of(obj, where))
+    empties = []
+    for where, offset in choices.moves:
+        constraint = constraints.add(obj, group_of(obj, where), "OBJECT")
+        empty = constraint.target = add_empty(obj, constraint.vertex_group)
+        rest = empty.matrix_world.copy()
+        empty.matrix_world = Matrix.Translation(offset) @ rest
+        if choices.frames is not None:
+            ends = choices.frames[0], choices.frames[-1]
+            travel(empty, (rest.translation, rest.translation + Vector(offset)), ends)
+        empties.append(empty)
+    bpy.context.view_layer.update()
+    return empties
+
+
+def _deform(obj: bpy.types.Object, task: Task) -> str:
+    deformation = deformation_of(obj)
+    deformable, arguments = prepare(obj, deformation.algorithm, deformation.softness)
+    with progress(task.label) as show:
+        result = spectral_tv.deform(deformable.surface.mesh, **arguments, progress=show)
+    write(obj, deformable.displacement(result))
+    return message(result, deformation.algorithm)
+
+
+def _bake(obj: bpy.types.Object, frames: range, task: Task) -> str:
+    scene = bpy.context.scene  # exporters keep to its frames
+    scene.frame_start = min(scene.frame_start, frames[0])
+    scene.frame_end = max(scene.frame_end, frames[-1])
+    deformable, targets, deformer = baking.prepare(obj, frames)
+    with progress(task.label) as show:
+        results = deformer.solve_sequence(targets, progress=show)
+    return baking.write(obj, frames, deformable, results)
+
+
+def _move(text: str) -> tuple[str, tuple[float, ...]]:
+    where, _, numbers = text.rpartition(":")  # names may have colons
+    try:
+        offset = tuple(float(number) for number in numbers.split(","))
+    except ValueError:
+        offset = ()
+    if not where.strip() or len(offset) != 3 or not np.isfinite(offset).all():
+        message = f"{text!r} is not WHERE:DX,DY,DZ, such as 'z>90%:0,0,0.5'"
+        raise argparse.ArgumentTypeError(message)
+    return where, offset
+
+
+def _frames(text: str) -> range:
+    found = FRAMES.fullmatch(text)
+    if found is None or int(found[3] or 1) == 0:
+        message = f"{text!r} is not START-END or START-END:STEP, such as 1-40:2"
+        raise argparse.ArgumentTypeError(message)
+    start, end, step = int(found[1]), int(found[2]), int(found[3] or 1)
+    if end < start:
+        raise argparse.ArgumentTypeError(f"frame {end} comes before frame {start}")
+    return range(start, end + 1, step)
