@@ -15,11 +15,13 @@ __all__ = [
     "MeshError",
     "__version__",
     "conformal_flow",
+    "cosegment",
     "decompose",
     "default_scales",
     "deform",
     "flow",
     "graded_times",
+    "start_cosegment",
     "start_decompose",
     "start_deform",
     "total_variation",
@@ -143,6 +145,15 @@ def start_decompose(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+) -> Job: ...
+def cosegment(
+    decompositions: Sequence[Decomposition],
+    segments: int = 6,
+    seed: int = 0,
+    progress: _Progress | None = None,
+) -> list[NDArray[np.int64]]: ...
+def start_cosegment(
+    decompositions: Sequence[Decomposition], segments: int = 6, seed: int = 0
 ) -> Job: ...
 def deform(
     mesh: Mesh,

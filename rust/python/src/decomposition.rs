@@ -20,7 +20,7 @@ use crate::settings::Request;
 /// (Brokman et al. 2024, Eqs. 50 and 53), to rounding, whatever the steps.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Decomposition {
-    inner: method::Decomposition,
+    pub inner: Arc<method::Decomposition>,
 }
 
 #[pymethods]
@@ -247,11 +247,11 @@ pub fn start_decompose(
 fn start<T: Send + 'static>(
     mesh: &Mesh,
     request: &Request,
-    wrap: impl FnOnce(method::Decomposition) -> T + Send + 'static,
+    wrap: impl FnOnce(Arc<method::Decomposition>) -> T + Send + 'static,
 ) -> Result<Task<T>, Failure> {
     let settings = request.settings()?;
     let mesh = Arc::clone(&mesh.inner);
     Ok(Task::start(move |monitor| {
-        method::decompose(&mesh, &settings, monitor.whole()).map(wrap)
+        method::decompose(&mesh, &settings, monitor.whole()).map(|inner| wrap(Arc::new(inner)))
     })?)
 }

@@ -7,6 +7,7 @@ mod error;
 mod flow;
 mod job;
 mod mesh;
+mod segmentation;
 mod settings;
 
 use pyo3::prelude::*;
@@ -31,6 +32,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(flow::flow, module)?)?;
     module.add_function(wrap_pyfunction!(flow::conformal_flow, module)?)?;
     module.add_function(wrap_pyfunction!(flow::total_variation, module)?)?;
+    module.add_function(wrap_pyfunction!(segmentation::cosegment, module)?)?;
+    module.add_function(wrap_pyfunction!(segmentation::start_cosegment, module)?)?;
     module.add_function(wrap_pyfunction!(settings::default_scales, module)?)?;
     module.add_function(wrap_pyfunction!(settings::graded_times, module)?)?;
     Ok(())

@@ -6,7 +6,8 @@
 //!
 //! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
 //!
-//! [`deformation`] stands beside the flows, on [`minimization`].
+//! [`deformation`] stands beside the flows, on [`minimization`]; [`segmentation`] is of what
+//! [`method`] gives.
 
 #![forbid(unsafe_code)]
 
@@ -18,6 +19,7 @@ pub mod method;
 pub mod minimization;
 pub mod monitor;
 pub mod operators;
+pub mod segmentation;
 pub mod solver;
 pub mod spectral;
 

@@ -13,6 +13,7 @@ pub struct Decomposition {
     /// How M3's scalars become shapes; `None` where the positions themselves were flowed.
     displacement: Option<Displacement>,
     spectrum: Vec<f64>,
+    vertex_areas: Vec<f64>,
 }
 
 impl Decomposition {
@@ -23,11 +24,18 @@ impl Decomposition {
         vertex_areas: &[f64],
     ) -> Self {
         let spectrum = transform.spectrum(vertex_areas);
+        let vertex_areas = vertex_areas.to_vec();
         Self {
             transform,
             displacement,
             spectrum,
+            vertex_areas,
         }
+    }
+
+    /// Areas of the vertices of the shape, V, length².
+    pub fn vertex_areas(&self) -> &[f64] {
+        &self.vertex_areas
     }
 
     /// t₀ = 0 < t₁ < … < t_N, length².

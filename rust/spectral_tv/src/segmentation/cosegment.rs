@@ -1,0 +1,59 @@
+//! Labels for several decompositions at once.
+
+use ndarray::{Axis, concatenate};
+
+use crate::error::{Error, Result};
+use crate::method::Decomposition;
+use crate::monitor::Stage;
+use crate::segmentation::earth_mover::quantile_functions;
+use crate::segmentation::k_means::k_means;
+
+/// A label, 0 to `segments` − 1, for every vertex of every shape, from the spectra |φ(t)| of its
+/// vertices: k-means under the earth mover's distance, all shapes together, each with the same
+/// weight, its vertices with their areas. Segments are numbered by size, the largest first.
+///
+/// The shapes need not have vertices or triangles in common. With M2 they are parts at different
+/// levels: trunk, upper limbs and head, lower limbs, hands.
+///
+/// # Errors
+/// If there is no shape, or `segments` is 0 or more than there are vertices; or
+/// [`Error::Cancelled`].
+pub fn cosegment(
+    decompositions: &[&Decomposition],
+    segments: usize,
+    seed: u64,
+    stage: Stage,
+) -> Result<Vec<Vec<usize>>> {
+    let counts = decompositions.iter().map(|d| d.vertex_areas().len());
+    let total: usize = counts.clone().sum();
+    if decompositions.is_empty() {
+        return Err(Error::Argument("there is nothing to segment".into()));
+    }
+    if segments == 0 || segments > total {
+        return Err(Error::Argument(format!(
+            "segments must be between 1 and the number of vertices, {total}, not {segments}"
+        )));
+    }
+    let mut functions = Vec::with_capacity(decompositions.len());
+    let mut weights = Vec::with_capacity(total);
+    for (index, decomposition) in decompositions.iter().enumerate() {
+        stage.report(0.5 * index as f64 / decompositions.len() as f64)?;
+        functions.push(quantile_functions(decomposition));
+        let area: f64 = decomposition.vertex_areas().iter().sum();
+        weights.extend(decomposition.vertex_areas().iter().map(|part| part / area));
+    }
+    let views: Vec<_> = functions.iter().map(|rows| rows.view()).collect();
+    let points = concatenate(Axis(0), &views).expect("all have the same quantiles");
+    let labels = k_means(
+        points.view(),
+        &weights,
+        segments,
+        seed,
+        stage.stage(0.5, 1.0),
+    )?;
+    stage.report(1.0)?;
+    let mut labels = labels.into_iter();
+    Ok(counts
+        .map(|count| labels.by_ref().take(count).collect())
+        .collect())
+}
