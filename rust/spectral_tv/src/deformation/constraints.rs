@@ -1,10 +1,13 @@
 //! What a deformation is given: where some vertices go, exactly or softly.
 
+use nalgebra::Vector3;
 use ndarray::Array2;
 
+use crate::deformation::enclosing_ball::enclosing_ball;
 use crate::deformation::floating::Floating;
 use crate::error::{Error, Result};
 use crate::mesh::TriangleMesh;
+use crate::operators::invertible_masses;
 
 /// Positions that differ by no more than this, relative to √area, are the same.
 const SAME_POSITION: f64 = 1e-9;
@@ -34,14 +37,14 @@ pub(super) struct Targets {
     pub displacements: Array2<f64>,
     /// κ of the penalty ½ Σ κ |d − c|² of soft constraints, V.
     pub springs: Vec<f64>,
-    /// Centre of a ball that holds all displacements asked for.
+    /// Centre of the smallest ball that holds all displacements asked for.
     pub centre: [f64; 3],
     /// Its radius.
     pub radius: f64,
 }
 
 impl Targets {
-    /// How far apart the displacements asked for are, a length.
+    /// How far apart the displacements asked for are, a length: the diameter of that ball.
     pub fn spread(&self) -> f64 {
         2.0 * self.radius
     }
@@ -74,12 +77,12 @@ impl Constraints {
             ));
         }
         let size = mesh.area().sqrt();
-        let areas = mesh.vertex_areas().iter();
+        let areas = invertible_masses(mesh.vertex_areas());
         Ok(Self {
             firmness,
             positions: vertices.iter().map(|&v| mesh.vertices()[v]).collect(),
             vertices,
-            spring: areas.map(|area| area / (PATCH * size)).collect(),
+            spring: areas.iter().map(|area| area / (PATCH * size)).collect(),
             closeness: SAME_POSITION * size,
             fixed,
             floating,
@@ -101,7 +104,7 @@ impl Constraints {
         self.check(positions)?;
         let mut displacements = Array2::zeros((3, self.fixed.len()));
         let mut firmness = vec![0.0; self.fixed.len()];
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut all_asked = Vec::with_capacity(self.vertices.len());
         for (entry, &vertex) in self.vertices.iter().enumerate() {
             if self.fixed[vertex] && self.firmness[entry].is_finite() {
                 continue; // an exact target wins
@@ -112,20 +115,16 @@ impl Constraints {
                 firmness[vertex] += self.firmness[entry];
                 self.firmness[entry] / firmness[vertex]
             };
+            let asked = Vector3::from(positions[entry]) - Vector3::from(self.positions[entry]);
             for axis in 0..3 {
-                let asked = positions[entry][axis] - self.positions[entry][axis];
                 let value = &mut displacements[[axis, vertex]];
-                *value += share * (asked - *value);
-                (low[axis], high[axis]) = (low[axis].min(asked), high[axis].max(asked));
+                *value += share * (asked[axis] - *value);
             }
+            all_asked.push(asked);
         }
-        let centre = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
-        let diagonal = (0..3)
-            .map(|i| (high[i] - low[i]).powi(2))
-            .sum::<f64>()
-            .sqrt();
-        let radius = if diagonal > self.closeness {
-            0.5 * diagonal
+        let (centre, radius) = enclosing_ball(&all_asked);
+        let radius = if 2.0 * radius > self.closeness {
+            radius
         } else {
             0.0
         };
@@ -142,7 +141,7 @@ impl Constraints {
                 .map(|(firmness, &spring)| firmness * scale(spring))
                 .collect(),
             displacements,
-            centre,
+            centre: centre.into(),
             radius,
         })
     }

@@ -9,6 +9,7 @@ mod as_rigid_as_possible;
 mod constraints;
 mod deform;
 mod deformer;
+mod enclosing_ball;
 mod floating;
 mod problem;
 mod quadratic;

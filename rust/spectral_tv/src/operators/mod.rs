@@ -7,6 +7,7 @@ mod gradient;
 mod laplacian;
 mod total_variation;
 
+pub(crate) use discretization::invertible_masses;
 pub use discretization::{Discretization, positions};
 pub use gradient::{FaceVector, Gradient};
 pub use laplacian::{LaplacianPattern, element_stiffness};
