@@ -136,11 +136,14 @@ pub(super) fn bilaplacian(problem: &Problem, weights: &[f64]) -> CsMatI<f64, u32
     lower_triangle(&(&full * &scaled))
 }
 
+/// With its whole diagonal, of which the sparse product leaves out what vanishes.
 fn lower_triangle(matrix: &CsMatI<f64, u32>) -> CsMatI<f64, u32> {
     let mut starts = vec![0];
     let (mut rows, mut values) = (Vec::new(), Vec::new());
     for (column, entries) in matrix.outer_iterator().enumerate() {
-        for (row, &value) in entries.iter().filter(|&(row, _)| row >= column) {
+        rows.push(column as u32);
+        values.push(entries.get(column).copied().unwrap_or(0.0));
+        for (row, &value) in entries.iter().filter(|&(row, _)| row > column) {
             rows.push(row as u32);
             values.push(value);
         }
