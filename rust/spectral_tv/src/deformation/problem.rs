@@ -74,7 +74,7 @@ impl<'a> Problem<'a> {
         let scale = self.targets.radius * self.operators.area().sqrt();
         match value <= UNSTRETCHED * scale {
             true => 0.0,
-            false => ((value - self.lower_bound(field)) / value).max(0.0),
+            false => ((value - self.lower_bound(state, field)) / value).max(0.0),
         }
     }
 
@@ -83,8 +83,10 @@ impl<'a> Problem<'a> {
     ///
     /// A minimiser lies in the convex hull of the displacements asked for, as projecting onto
     /// that raises no term; so a field whose divergence does not vanish at a free vertex costs
-    /// no more than that divergence times the radius of a ball around the hull.
-    pub fn lower_bound(&self, field: &TangentField) -> f64 {
+    /// no more than that divergence times the radius of a ball around the hull. Obtuse triangles
+    /// let minimisers out of the hull, and `state` with them: the ball then holds it too.
+    fn lower_bound(&self, state: &Array2<f64>, field: &TangentField) -> f64 {
+        let radius = self.targets.radius.max(self.reach(state));
         let gradient = self.operators.gradient();
         let clip = match self.variation.steepest.is_infinite() {
             true => clipping_factors(field),
@@ -106,10 +108,20 @@ impl<'a> Problem<'a> {
             } else if spring > 0.0 {
                 towards(asked) - 0.5 * square / spring
             } else {
-                towards(self.targets.centre) - self.targets.radius * square.sqrt()
+                towards(self.targets.centre) - radius * square.sqrt()
             };
         }
         bound
+    }
+
+    /// How far free vertices get from the centre of the displacements asked for.
+    fn reach(&self, state: &Array2<f64>) -> f64 {
+        let free = (0..self.fixed.len()).filter(|&vertex| !self.fixed[vertex]);
+        let square = |vertex: usize| -> f64 {
+            let off = |axis: usize| state[[axis, vertex]] - self.targets.centre[axis];
+            (0..3).map(|axis| off(axis).powi(2)).sum()
+        };
+        free.map(square).fold(0.0, f64::max).sqrt()
     }
 
     /// −Σ A Ψ*(|z|).
