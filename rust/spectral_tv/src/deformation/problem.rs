@@ -68,13 +68,13 @@ impl<'a> Problem<'a> {
     }
 
     /// How far the energy of `state` can be above the least, relative to it, by the bound that
-    /// `field` gives; 0 where nothing is stretched.
+    /// `field` gives, or by that it is not negative; 0 where nothing is stretched.
     pub fn gap(&self, state: &Array2<f64>, field: &TangentField) -> f64 {
         let value = self.value(state);
         let scale = self.targets.radius * self.operators.area().sqrt();
         match value <= UNSTRETCHED * scale {
             true => 0.0,
-            false => ((value - self.lower_bound(state, field)) / value).max(0.0),
+            false => ((value - self.lower_bound(state, field)) / value).clamp(0.0, 1.0),
         }
     }
 
