@@ -162,7 +162,8 @@ impl Deformer {
     }
 
     /// Moves the fixed vertices to their targets and solves for the others with the weights of
-    /// the last state: L(w) d = 0, w = 1 at rest, which is the harmonic deformation. Returns
+    /// the last state: L(w) d = 0. At rest w is that of a gradient of the spread over √area
+    /// everywhere, which gives the harmonic deformation. Returns
     /// w ∇d, which is free of divergence and so a dual field, but for |z| ≤ 1.
     fn follow(&mut self, targets: &Targets) -> Result<TangentField> {
         let problem = self
@@ -170,7 +171,7 @@ impl Deformer {
             .problem(targets, DRAG_EPSILON * self.gradient_scale(targets));
         let norms = problem.operators.gradient().norms(self.state.view());
         let weights = match self.is_at_rest {
-            true => vec![1.0; norms.len()],
+            true => vec![problem.operators.area().sqrt() / targets.spread(); norms.len()],
             false => problem.variation.weights(&norms),
         };
         let lagged = |_: &[f64]| weights.clone();
