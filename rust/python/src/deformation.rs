@@ -397,8 +397,8 @@ fn start<T: Send + 'static>(
     settings: Settings,
     wrap: impl FnOnce(Deformation) -> T + Send + 'static,
 ) -> Result<Task<T>, Failure> {
-    let targets = arrays::positions("targets", targets)?;
     let constraints = constraints(mesh, indices, weights)?;
+    let targets = arrays::positions("targets", targets)?;
     let shape = Shape::new(mesh, &constraints);
     Ok(Task::start(move |monitor| {
         let stage = monitor.whole();
