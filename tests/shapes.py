@@ -1,7 +1,7 @@
 """Generated triangle meshes for the tests.
 
-Every function returns vertices, float64 of shape (V, 3), and triangles, int64 of shape (F, 3),
-with all triangles oriented outwards (for the flat grid: towards +z).
+Every function but `ends` returns vertices, float64 of shape (V, 3), and triangles, int64 of shape
+(F, 3), with all triangles oriented outwards (for the flat grid: towards +z).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 Vertices = NDArray[np.float64]
 Triangles = NDArray[np.int64]
+Indices = NDArray[np.int64]
 Mesh = tuple[Vertices, Triangles]
 
 
@@ -85,6 +86,12 @@ def dumbbell(
     centre = neck_length / 2.0 + ball_radius * np.cos(opening)
     upper = np.column_stack([ball_radius * np.sin(polar), centre + ball_radius * np.cos(polar)])
     return _revolve(np.vstack([upper, upper[::-1] * [1.0, -1.0]]), n_around, n_along)
+
+
+def ends(vertices: Vertices, share: float = 0.08) -> tuple[Indices, Indices]:
+    """The given share of the vertices that is lowest, and that which is highest, along z."""
+    low, high = np.quantile(vertices[:, 2], [share, 1.0 - share])
+    return np.flatnonzero(vertices[:, 2] < low), np.flatnonzero(vertices[:, 2] > high)
 
 
 def _icosahedron() -> Mesh:
