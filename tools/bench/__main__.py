@@ -1,4 +1,4 @@
-"""Measure the library against what one would write in SciPy, as ratios in one run.
+"""Measure the library against what one would write in SciPy, and libigl, as ratios in one run.
 
 python -m tools.bench [MESH.ply ...]
 """
@@ -6,22 +6,22 @@ python -m tools.bench [MESH.ply ...]
 from __future__ import annotations
 
 import argparse
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import spectral_tv
 
+from . import deformation
 from .cholmod import lagged_m1
-from .meshes import bumpy_sphere, read_ply
+from .meshes import bumpy_sphere, pinched_sphere, read_ply
+from .timing import RUNS, interleaved
 
 STEPS = 30
-RUNS = 3
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
     parser.add_argument("meshes", type=Path, nargs="*", help="binary .ply files of triangles")
     paths = parser.parse_args().meshes
@@ -33,6 +33,14 @@ def main() -> None:
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for name, vertices, triangles in shapes:
         print(row(name, vertices, triangles), flush=True)
+    deformation.report(
+        shapes
+        if paths
+        else [
+            shapes[0],
+            *((f"pinched sphere {size}", *pinched_sphere(size)) for size in (5, 6)),
+        ]
+    )
 
 
 def row(name: str, vertices: np.ndarray, triangles: np.ndarray) -> str:
@@ -58,17 +66,6 @@ def row(name: str, vertices: np.ndarray, triangles: np.ndarray) -> str:
         f"| {name} | {len(vertices)} | {cholmod:.2f} s | {lagged:.2f} s | {cholmod / lagged:.1f} "
         f"| {default:.2f} s | {cholmod / default:.1f} | {relative:.0e} |"
     )
-
-
-def interleaved(*works: Callable[[], None]) -> list[float]:
-    """Median seconds of each work, all run in turn RUNS times."""
-    seconds = [[] for _ in works]
-    for _ in range(RUNS):
-        for work, record in zip(works, seconds, strict=True):
-            started = time.perf_counter()
-            work()
-            record.append(time.perf_counter() - started)
-    return [float(np.median(record)) for record in seconds]
 
 
 if __name__ == "__main__":

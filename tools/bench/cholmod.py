@@ -20,7 +20,7 @@ def lagged_m1(vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray) ->
     -------
     (N+1, V, 3) array
     """
-    gradient, areas = _gradient(vertices, triangles)
+    gradient, areas = gradient_and_areas(vertices, triangles)
     masses = np.bincount(triangles.ravel(), np.repeat(areas / 3, 3), len(vertices))
     masses[masses == 0] = masses.mean()
     epsilon = 1e-3 * np.sqrt(2)
@@ -37,7 +37,9 @@ def lagged_m1(vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray) ->
     return np.array(states)
 
 
-def _gradient(vertices: np.ndarray, triangles: np.ndarray) -> tuple[sp.csr_array, np.ndarray]:
+def gradient_and_areas(
+    vertices: np.ndarray, triangles: np.ndarray
+) -> tuple[sp.csr_array, np.ndarray]:
     """G (3F, V) and the face areas."""
     corners = vertices[triangles]
     opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)

@@ -17,6 +17,13 @@ def bumpy_sphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:
     return vertices * (1 + 0.1 * waves)[:, None], triangles
 
 
+def pinched_sphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:
+    """Two bumpy halves with a neck between them: vertices (V, 3) and triangles (F, 3)."""
+    vertices, triangles = bumpy_sphere(subdivisions)
+    waist = 1 - 0.7 * np.exp(-((vertices[:, 2:] / 0.3) ** 2))
+    return vertices * np.hstack([waist, waist, np.full_like(waist, 1.5)]), triangles
+
+
 def read_ply(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """The first mesh of a .ply file: vertices (V, 3) and triangles (F, 3)."""
     bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -1,0 +1,155 @@
+"""Deformation against SciPy and libigl."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+import spectral_tv
+
+from .reweighted import cholmod, reweighted, superlu
+from .timing import RUNS, interleaved
+
+LOW, HIGH = 0.05, 0.07
+TOLERANCE = 1e-3
+FRAMES = 30
+
+
+class Pull:
+    """A mesh that is pinned at one end of its longest axis and moved at the other."""
+
+    def __init__(self, name: str, vertices: np.ndarray, triangles: np.ndarray) -> None:
+        """Pin the lowest 5 % of the vertices, and move the highest 7 % by a fifth of the length."""
+        self.name, self.vertices, self.triangles = name, vertices, triangles
+        axis = np.ptp(vertices, axis=0).argmax()
+        along = vertices[:, axis]
+        low, high = np.quantile(along, [LOW, 1 - HIGH])
+        self.indices = np.flatnonzero((along < low) | (along > high))
+        self.moves = (along[self.indices] > high)[:, None]
+        self.shift = np.roll([0.8, 0.5, 0.33], axis) * 0.2 * np.ptp(along)
+        self.targets = self.at(1.0)
+
+    def at(self, part: float, towards: float = 0.0) -> np.ndarray:
+        """The targets for a part of the movement, bent aside."""
+        shift = part * self.shift + towards * np.roll(self.shift, 1)
+        return self.vertices[self.indices] + self.moves * shift
+
+    def deform(self, **arguments: object) -> spectral_tv.Deformation:
+        """Deform from scratch."""
+        mesh = spectral_tv.Mesh(self.vertices, self.triangles)
+        return spectral_tv.deform(mesh, self.indices, self.targets, **arguments)
+
+
+def report(shapes: list[tuple[str, np.ndarray, np.ndarray]]) -> None:
+    """Print the tables."""
+    pulls = [Pull(*shape) for shape in shapes]
+    print(
+        f"\nDeformation to a gap of {TOLERANCE:.1g}, the median of {RUNS} interleaved runs; SciPy"
+    )
+    print("stops by itself where its TV, reweighted, is as near to the optimum, were that known")
+    print("| mesh | vertices | SciPy | systems | + CHOLMOD | deform | iterations | ratios |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    for pull in pulls:
+        print(solving(pull), flush=True)
+    print(
+        f"\nDragging, {FRAMES} frames; a system of the same size by CHOLMOD, the same by harmonic"
+    )
+    print("| mesh | vertices | CHOLMOD | drag | ratio | updates a second | worst excess |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for pull in pulls:
+        print(dragging(pull), flush=True)
+    print("\nAs-rigid-as-possible (spokes and rims), the same number of iterations")
+    print("| mesh | vertices | iterations | libigl | deform | ratio | difference |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for pull in pulls:
+        print(rigid(pull), flush=True)
+
+
+def solving(pull: Pull) -> str:
+    """Measure full solutions of one mesh."""
+    least = pull.deform(tolerance=1e-5).total_variation
+    found = {}
+
+    def ours() -> None:
+        found["ours"] = pull.deform(tolerance=TOLERANCE)
+
+    def theirs(name: str, factorize):
+        def run() -> None:
+            found[name] = reweighted(
+                pull.vertices,
+                pull.triangles,
+                pull.indices,
+                pull.targets,
+                least * (1 + TOLERANCE),
+                factorize(),
+            )
+
+        return run
+
+    scipy, cholesky, seconds = interleaved(
+        theirs("SciPy", superlu), theirs("CHOLMOD", cholmod), ours
+    )
+    _, variation, systems = found["SciPy"]
+    reached = "" if variation <= least * (1 + TOLERANCE) else f", {variation / least - 1:.1e} above"
+    return (
+        f"| {pull.name} | {len(pull.vertices)} | {scipy:.2f} s | {systems}{reached} "
+        f"| {cholesky:.2f} s | {seconds:.2f} s | {found['ours'].iterations} "
+        f"| {scipy / seconds:.1f}, {cholesky / seconds:.1f} |"
+    )
+
+
+def dragging(pull: Pull) -> str:
+    """Measure updates of one mesh while its handle is moved by 2 % of its way a frame."""
+    mesh = spectral_tv.Mesh(pull.vertices, pull.triangles)
+    deformer = spectral_tv.Deformer(mesh, pull.indices)
+    deformer.solve(pull.targets)
+    frames = [pull.at(1 + 0.01 * k, 0.02 * k) for k in range(1, FRAMES + 1)]
+    remaining = iter(frames)
+    dragged = []
+
+    def ours() -> None:
+        dragged.append(deformer.drag(next(remaining)))
+
+    def theirs() -> None:
+        enough = np.inf  # a single system
+        reweighted(pull.vertices, pull.triangles, pull.indices, pull.targets, enough, cholmod())
+
+    cholesky, seconds = interleaved(theirs, ours, runs=FRAMES)
+    checked = range(FRAMES // 3 - 1, FRAMES, FRAMES // 3)
+    excess = max(
+        dragged[k].total_variation
+        / spectral_tv.deform(mesh, pull.indices, frames[k], tolerance=1e-5).total_variation
+        - 1
+        for k in checked
+    )
+    return (
+        f"| {pull.name} | {len(pull.vertices)} | {1e3 * cholesky:.0f} ms | {1e3 * seconds:.0f} ms "
+        f"| {cholesky / seconds:.1f} | {1 / seconds:.0f} | {excess:.1e} |"
+    )
+
+
+def rigid(pull: Pull) -> str:
+    """Measure as-rigid-as-possible deformation of one mesh."""
+    results = {}
+
+    def ours() -> None:
+        results["ours"] = pull.deform(algorithm="arap")
+
+    ours()
+    iterations = results["ours"].iterations
+    handles = pull.indices.astype(np.int32)
+
+    def theirs() -> None:
+        data = igl.ARAPData()
+        data.energy = igl.ARAP_ENERGY_TYPE_SPOKES_AND_RIMS
+        data.max_iter = iterations
+        triangles = pull.triangles.astype(np.int64)
+        igl.arap_precomputation(pull.vertices, triangles, 3, handles, data)
+        results["libigl"] = igl.arap_solve(pull.targets, data, pull.vertices)
+
+    library, seconds = interleaved(theirs, ours)
+    difference = np.abs(results["libigl"] - results["ours"].vertices).max()
+    relative = difference / np.linalg.norm(pull.shift)
+    return (
+        f"| {pull.name} | {len(pull.vertices)} | {iterations} | {library:.2f} s | {seconds:.2f} s "
+        f"| {library / seconds:.1f} | {relative:.0e} |"
+    )
