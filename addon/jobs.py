@@ -1,6 +1,8 @@
 """The one job that may run: work in a native thread, on copies, that never touches Blender."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 import spectral_tv
@@ -9,11 +11,65 @@ from .records import digest, topology_digest
 from .surface import basis_coordinates
 
 
+class Chain:
+    """Jobs one after the other, and a last one of all their results; polled like one job."""
+
+    # Of the whole, what the last one takes.
+    LAST = 0.05
+
+    def __init__(
+        self,
+        starts: list[Callable[[], spectral_tv.Job]],
+        last: Callable[[list[Any]], spectral_tv.Job],
+    ) -> None:
+        """Start the first of ``starts``."""
+        self._starts = starts
+        self._last = last
+        self._results: list[Any] = []
+        self._is_last = False
+        self._job = starts[0]()
+
+    @property
+    def progress(self) -> float:
+        """The fraction of the work done, in [0, 1]."""
+        if self._is_last:
+            return 1 - self.LAST * (1 - self._job.progress)
+        before = len(self._results)
+        return (1 - self.LAST) * (before + self._job.progress) / len(self._starts)
+
+    @property
+    def done(self) -> bool:
+        """Whether all have ended, or one has failed; starts the next one."""
+        if not self._job.done:
+            return False
+        if self._is_last:
+            return True
+        try:
+            self._results.append(self._job.result())
+        except (spectral_tv.MeshError, spectral_tv.Cancelled, RuntimeError):
+            return True  # whoever asks for the result learns why
+        if len(self._results) < len(self._starts):
+            self._job = self._starts[len(self._results)]()
+        else:
+            self._job = self._last(self._results)
+            self._is_last = True
+            self._results = []
+        return False
+
+    def cancel(self) -> None:
+        """Ask the one that runs to stop."""
+        self._job.cancel()
+
+    def result(self) -> Any:
+        """Return the last one's result; raises what the one that failed raised."""
+        return self._job.result()
+
+
 @dataclass(frozen=True)
 class Running:
     """A job under way, and what its object looked like when it was started."""
 
-    job: spectral_tv.Job
+    job: spectral_tv.Job | Chain
     object_name: str
     state: str
     message: str
@@ -22,7 +78,7 @@ class Running:
 _running: Running | None = None
 
 
-def start(job: spectral_tv.Job, obj: bpy.types.Object, message: str) -> None:
+def start(job: spectral_tv.Job | Chain, obj: bpy.types.Object, message: str) -> None:
     """Take a job over; it is cancelled when Blender loads a file or disables the extension."""
     global _running  # noqa: PLW0603
     _running = Running(job, obj.name, state_of(obj), message)

@@ -10,6 +10,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from .segments import OUTPUTS
 from .settings import BASES, METHODS, Settings
 
 
@@ -122,13 +123,44 @@ class SpectralTVFilter(bpy.types.PropertyGroup):
     )
 
 
+class SegmentationProperties:
+    """What the user chooses of a segmentation."""
+
+    segments: IntProperty(name="Segments", description="Number of parts", default=6, min=1, max=64)
+    steps: IntProperty(
+        name="Steps",
+        description="Number of time steps of the flow. More steps find the same parts in more "
+        "different poses",
+        default=48,
+        min=4,
+        max=1000,
+    )
+    seed: IntProperty(name="Seed", description="Of the random starts", default=0, min=0)
+    outputs: EnumProperty(
+        name="Write",
+        description="How the parts are written",
+        items=OUTPUTS,
+        options={"ENUM_FLAG"},
+        default={"COLOR", "GROUPS"},
+    )
+
+    def copy_to(self, other: bpy.types.OperatorProperties) -> None:
+        """Set the same properties of ``other``."""
+        for name in SegmentationProperties.__annotations__:
+            setattr(other, name, getattr(self, name))
+
+
+class SpectralTVSegmentation(SegmentationProperties, bpy.types.PropertyGroup):
+    """The choices in the sidebar, kept with the scene."""
+
+
 class SpectralTVWindowManager(bpy.types.PropertyGroup):
     """What the running job shows."""
 
     progress: FloatProperty(name="Progress", min=0, max=1, subtype="FACTOR")
 
 
-CLASSES = (SpectralTVScene, SpectralTVFilter, SpectralTVWindowManager)
+CLASSES = (SpectralTVScene, SpectralTVFilter, SpectralTVSegmentation, SpectralTVWindowManager)
 
 
 def register() -> None:
@@ -137,12 +169,14 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Scene.spectral_tv = PointerProperty(type=SpectralTVScene)
     bpy.types.Scene.spectral_tv_filter = PointerProperty(type=SpectralTVFilter)
+    bpy.types.Scene.spectral_tv_segmentation = PointerProperty(type=SpectralTVSegmentation)
     bpy.types.WindowManager.spectral_tv = PointerProperty(type=SpectralTVWindowManager)
 
 
 def unregister() -> None:
     """Unregister them; files keep what they hold."""
     del bpy.types.WindowManager.spectral_tv
+    del bpy.types.Scene.spectral_tv_segmentation
     del bpy.types.Scene.spectral_tv_filter
     del bpy.types.Scene.spectral_tv
     for cls in reversed(CLASSES):

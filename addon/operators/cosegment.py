@@ -1,0 +1,87 @@
+"""The operator that labels the same parts in several poses."""
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from .. import jobs, segments
+from ..objects import Refusal, refusal
+from ..properties import SegmentationProperties
+from ..surface import Surface
+from ._job import JobOperator
+
+# The objects by name with their surfaces, and what they looked like.
+Prepared = list[tuple[str, Surface, str]]
+Labels = list[np.ndarray]
+METHOD = "m2"
+
+
+class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Operator):
+    """Find the parts of all selected meshes together: the same part gets the same number and
+    color in every pose. The meshes need not have the same vertices"""
+
+    bl_idname = "spectral_tv.cosegment"
+    bl_label = "Segment Selected"
+    bl_options = {"REGISTER", "UNDO"}
+    working = "Segmenting"
+
+    def prepare(self, _obj: bpy.types.Object) -> Prepared:
+        if not self.outputs:
+            raise Refusal("choose what to write")
+        prepared, meshes = [], set()
+        for obj in chosen(bpy.context):
+            reason = refusal(obj)
+            if reason is not None:
+                raise Refusal(f"{obj.name}: {reason}")
+            if obj.data not in meshes:  # objects may share a mesh
+                meshes.add(obj.data)
+                prepared.append((obj.name, Surface.read(obj), jobs.state_of(obj)))
+        return prepared
+
+    def work(self, prepared: Prepared, progress: Callable[[float], None]) -> Labels:
+        share = 0.95 / len(prepared)
+        splits = []
+        for index, (_, surface, _) in enumerate(prepared):
+            told = lambda fraction, index=index: progress(share * (index + fraction))  # noqa: E731
+            splits.append(
+                spectral_tv.decompose(surface.mesh, METHOD, steps=self.steps, progress=told)
+            )
+        return spectral_tv.cosegment(splits, self.segments, self.seed)
+
+    def start(self, prepared: Prepared) -> jobs.Chain:
+        starts = [
+            lambda surface=surface: spectral_tv.start_decompose(
+                surface.mesh, METHOD, steps=self.steps
+            )
+            for _, surface, _ in prepared
+        ]
+        count, seed = self.segments, self.seed
+        return jobs.Chain(starts, lambda splits: spectral_tv.start_cosegment(splits, count, seed))
+
+    def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Labels) -> str:
+        skipped = []
+        for (name, surface, state), labels in zip(prepared, result, strict=True):
+            obj = bpy.data.objects.get(name)
+            if refusal(obj) is not None or jobs.state_of(obj) != state:
+                skipped.append(name)
+                continue
+            segments.write(obj, labels[surface.place], self.segments, self.outputs)
+        text = f"{self.segments} parts in {len(prepared) - len(skipped)} meshes"
+        if skipped:
+            text += f"; changed in the meantime and left as they are: {', '.join(skipped)}"
+        return text
+
+
+def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The active object and the other selected meshes."""
+    others = [
+        obj
+        for obj in context.selected_objects
+        if obj.type == "MESH" and obj != context.active_object
+    ]
+    return [context.active_object, *others]
+
+
+CLASSES = (SPECTRAL_TV_OT_cosegment,)

@@ -1,0 +1,45 @@
+"""The panel that labels the parts of the selected meshes."""
+
+import bpy
+
+from .. import jobs
+from ..objects import refusal
+from ..operators.cosegment import SPECTRAL_TV_OT_cosegment, chosen
+from ._sidebar import Sidebar, draw_progress, say
+
+
+class SPECTRAL_TV_PT_segment(Sidebar, bpy.types.Panel):
+    """Find the same parts in several poses"""
+
+    bl_label = "Segment"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.active_object is not None and context.active_object.type == "MESH"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.spectral_tv_segmentation
+        column = layout.column()
+        column.prop(settings, "segments")
+        column.prop(settings, "steps")
+        column.column(align=True).prop(settings, "outputs")
+        if jobs.running() is not None:
+            draw_progress(layout, context)
+            return
+        reason = refusal(context.active_object)
+        count = len(chosen(context))
+        if reason is not None:
+            say(layout, context, reason, "INFO")
+        elif count > 1:
+            say(layout, context, f"{count} meshes get the same parts", "INFO")
+        row = layout.row()
+        row.scale_y = 1.4
+        operator = row.operator(SPECTRAL_TV_OT_cosegment.bl_idname, icon="COLOR")
+        settings.copy_to(operator)
+
+
+CLASSES = (SPECTRAL_TV_PT_segment,)
