@@ -43,16 +43,17 @@ def report(shapes: list[tuple[str, np.ndarray, np.ndarray]]) -> None:
     """Print the tables."""
     pulls = [Pull(*shape) for shape in shapes]
     print(
-        f"\nDeformation to a gap of {TOLERANCE:.1g}, the median of {RUNS} interleaved runs; SciPy"
+        f"\nDeformation to a gap of {TOLERANCE:.1g}, the median of {RUNS} interleaved runs. SciPy"
     )
-    print("stops by itself where its TV, reweighted, is as near to the optimum, were that known")
+    print("reweights until its TV is as near to the optimum, which it is told")
     print("| mesh | vertices | SciPy | systems | + CHOLMOD | deform | iterations | ratios |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for pull in pulls:
         print(solving(pull), flush=True)
     print(
-        f"\nDragging, {FRAMES} frames; a system of the same size by CHOLMOD, the same by harmonic"
+        f"\nDragging, the median of {FRAMES} frames; CHOLMOD solves one reweighted system, all of"
     )
+    print("its preparation included, which dragging has behind it")
     print("| mesh | vertices | CHOLMOD | drag | ratio | updates a second | worst excess |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     for pull in pulls:
