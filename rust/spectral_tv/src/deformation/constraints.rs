@@ -28,12 +28,13 @@ pub struct Constraints {
     /// Vertices that are not solved for: those with an exact target, and floating ones.
     pub(super) fixed: Vec<bool>,
     pub(super) floating: Floating,
+    is_constrained: Vec<bool>,
 }
 
 /// The displacements that constraints ask for.
 #[derive(Debug, Clone)]
 pub(super) struct Targets {
-    /// c at constrained vertices, 0 elsewhere, (3, V).
+    /// c at constrained vertices, (3, V), or (C, V) in the coordinates of a span.
     pub displacements: Array2<f64>,
     /// κ of the penalty ½ Σ κ |d − c|² of soft constraints, V.
     pub springs: Vec<f64>,
@@ -67,8 +68,10 @@ impl Constraints {
         };
         let floating = Floating::new(mesh, vertices.iter().copied());
         let mut fixed = floating.is_floating.clone();
+        let mut is_constrained = vec![false; count];
         for (&vertex, firmness) in vertices.iter().zip(&firmness) {
             fixed[vertex] |= firmness.is_infinite();
+            is_constrained[vertex] = true;
         }
         if fixed.iter().all(|&fixed| fixed) {
             return Err(Error::Argument(
@@ -86,6 +89,7 @@ impl Constraints {
             closeness: SAME_POSITION * size,
             fixed,
             floating,
+            is_constrained,
         })
     }
 
@@ -93,6 +97,11 @@ impl Constraints {
     /// with the surface nearest to it.
     pub fn floating(&self) -> &[bool] {
         &self.floating.is_floating
+    }
+
+    /// Whether there is an exact or soft target for `vertex`.
+    pub(super) fn is_asked(&self, vertex: usize) -> bool {
+        self.is_constrained[vertex]
     }
 
     /// The displacements that take every constrained vertex to its target.

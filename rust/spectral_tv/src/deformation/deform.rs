@@ -145,6 +145,6 @@ fn certified_gap(problem: Problem, displacement: &Array2<f64>) -> Result<f64> {
     newton.reweighted(&energy, &slope, &Array2::zeros(displacement.dim()))?;
     Ok(problem.gap(
         displacement,
-        &newton.balanced_dual(&energy, &slope, displacement),
+        &newton.balanced_dual(&energy, &slope, displacement)?,
     ))
 }

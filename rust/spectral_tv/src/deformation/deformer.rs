@@ -5,6 +5,7 @@ use ndarray::Array2;
 use crate::deformation::constraints::{Constraints, Targets};
 use crate::deformation::deform::{Deformation, carried};
 use crate::deformation::problem::Problem;
+use crate::deformation::span::Span;
 use crate::error::{Error, Result};
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
@@ -101,29 +102,37 @@ impl Deformer {
         if targets.radius == 0.0 {
             return Ok(self.carry(&targets));
         }
+        let (gap, iterations) = self.within_span(&targets, |deformer, targets| {
+            deformer.optimum(targets, tolerance, stage)
+        })?;
+        stage.report(1.0)?;
+        Ok(self.deformation(gap, iterations))
+    }
+
+    /// The iteration of [`Self::solve`]; returns the gap and the number of iterations.
+    fn optimum(&mut self, targets: &Targets, tolerance: f64, stage: Stage) -> Result<(f64, usize)> {
         let mut goal = GOAL * tolerance;
         let mut smoothing = if self.is_at_rest { 1.0 } else { goal };
-        let field = self.follow(&targets)?;
-        let mut gap = self.gap(&targets, 0.0, &field);
+        let field = self.follow(targets)?;
+        let mut gap = self.gap(targets, 0.0, &field);
         let mut iterations = 1;
         while gap > tolerance && iterations < MOST_ITERATIONS {
             stage.report(1.0 - PROGRESS.powi(iterations as i32))?;
-            let epsilon = smoothing * self.gradient_scale(&targets);
-            let slope = self.iterate(&targets, epsilon)?;
+            let epsilon = smoothing * self.gradient_scale(targets);
+            let slope = self.iterate(targets, epsilon)?;
             iterations += 1;
             if smoothing > goal {
                 smoothing = (CONTINUATION * smoothing).max(goal);
                 continue;
             }
-            let field = self.balanced_dual(&targets, &slope);
-            gap = self.gap(&targets, 0.0, &field);
-            if self.gap(&targets, epsilon, &field) < SOLVED * tolerance {
+            let field = self.balanced_dual(targets, &slope)?;
+            gap = self.gap(targets, 0.0, &field);
+            if self.gap(targets, epsilon, &field) < SOLVED * tolerance {
                 goal *= CONTINUATION;
                 smoothing = goal;
             }
         }
-        stage.report(1.0)?;
-        Ok(self.deformation(gap, iterations))
+        Ok((gap, iterations))
     }
 
     /// The optima for a sequence of targets, each starting from the one before.
@@ -156,9 +165,29 @@ impl Deformer {
         if targets.radius == 0.0 {
             return Ok(self.carry(&targets));
         }
-        let field = self.follow(&targets)?;
-        let gap = self.gap(&targets, 0.0, &field);
+        let gap = self.within_span(&targets, |deformer, targets| {
+            let field = deformer.follow(targets)?;
+            Ok(deformer.gap(targets, 0.0, &field))
+        })?;
         Ok(self.deformation(gap, 1))
+    }
+
+    /// Has the state in the coordinates of the span of the targets while `run` is at work.
+    fn within_span<T>(
+        &mut self,
+        targets: &Targets,
+        run: impl FnOnce(&mut Self, &Targets) -> Result<T>,
+    ) -> Result<T> {
+        let constraints = &self.handles.constraints;
+        let span = Span::new(targets, |vertex| constraints.is_asked(vertex));
+        self.state = span.coordinates(&self.state);
+        let result = run(self, &span.reduced(targets));
+        self.state = span.displacements(&self.state);
+        // What was left out as rounding must not be missing where targets are exact.
+        self.handles
+            .problem(targets, 0.0)
+            .place_fixed(&mut self.state);
+        result
     }
 
     /// Moves the fixed vertices to their targets and solves for the others with the weights of
@@ -181,8 +210,9 @@ impl Deformer {
         let descent = energy.descent(self.state.view(), &slope);
         self.state += &self.newton.reweighted(&energy, &slope, &descent)?;
         let field = energy.slope(self.state.view()).fluxes();
-        if !self.is_at_rest {
-            self.newton.set_dual(&energy, &slope, field.clone());
+        match self.is_at_rest {
+            true => self.newton.forget(targets.displacements.nrows()),
+            false => self.newton.set_dual(&energy, &slope, field.clone()),
         }
         self.is_at_rest = false;
         Ok(field)
@@ -211,7 +241,7 @@ impl Deformer {
     }
 
     /// The dual field of the last iteration, made free of divergence.
-    fn balanced_dual(&mut self, targets: &Targets, slope: &Slope) -> TangentField {
+    fn balanced_dual(&mut self, targets: &Targets, slope: &Slope) -> Result<TangentField> {
         let problem = self.handles.problem(targets, 0.0);
         let weights = |norms: &[f64]| problem.variation.weights(norms);
         let energy = problem.energy(&weights);

@@ -14,6 +14,7 @@ mod floating;
 mod problem;
 mod quadratic;
 mod reweighted;
+mod span;
 
 pub use constraints::Constraints;
 pub use deform::{Algorithm, Deformation, Settings, deform};

@@ -9,8 +9,8 @@ use crate::operators::Discretization;
 /// An energy below this, relative to the displacements times the size, is rounding.
 const UNSTRETCHED: f64 = 1e-9;
 
-/// min Σ A Ψ(|∇d|) + ½ Σ κ |d − c|² over the displacements d (3, V) that are given at fixed
-/// vertices.
+/// min Σ A Ψ(|∇d|) + ½ Σ κ |d − c|² over the displacements d that are given at fixed vertices,
+/// (C, V) in the coordinates of the targets.
 #[derive(Clone, Copy)]
 pub(super) struct Problem<'a> {
     pub operators: &'a Discretization,
@@ -34,7 +34,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Sets `state` (3, V) at fixed vertices to what is asked for.
+    /// Sets `state` (C, V) at fixed vertices to what is asked for.
     pub fn place_fixed(&self, state: &mut Array2<f64>) {
         for (axis, mut row) in state.rows_mut().into_iter().enumerate() {
             for (vertex, value) in row.iter_mut().enumerate() {
@@ -45,7 +45,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The value of the energy at a `state` (3, V) that meets the constraints, length².
+    /// The value of the energy at a `state` (C, V) that meets the constraints, length².
     pub fn value(&self, state: &Array2<f64>) -> f64 {
         let gradient = self.operators.gradient();
         let norms = gradient.norms(state.view());
@@ -98,17 +98,19 @@ impl<'a> Problem<'a> {
             .collect();
         let mut bound = self.conjugate(field);
         for (vertex, &fixed) in self.fixed.iter().enumerate() {
-            let force: [f64; 3] = std::array::from_fn(|axis| forces[axis][vertex]);
-            let square: f64 = force.iter().map(|x| x * x).sum();
-            let towards = |point: [f64; 3]| (0..3).map(|i| force[i] * point[i]).sum::<f64>();
-            let asked = std::array::from_fn(|i| self.targets.displacements[[i, vertex]]);
+            let square: f64 = forces.iter().map(|force| force[vertex].powi(2)).sum();
+            let towards = |point: &dyn Fn(usize) -> f64| -> f64 {
+                let along = forces.iter().enumerate();
+                along.map(|(axis, force)| force[vertex] * point(axis)).sum()
+            };
+            let asked = |axis: usize| self.targets.displacements[[axis, vertex]];
             let spring = self.targets.springs[vertex];
             bound += if fixed {
-                towards(asked)
+                towards(&asked)
             } else if spring > 0.0 {
-                towards(asked) - 0.5 * square / spring
+                towards(&asked) - 0.5 * square / spring
             } else {
-                towards(self.targets.centre) - radius * square.sqrt()
+                towards(&|axis| self.targets.centre[axis]) - radius * square.sqrt()
             };
         }
         bound
@@ -119,7 +121,7 @@ impl<'a> Problem<'a> {
         let free = (0..self.fixed.len()).filter(|&vertex| !self.fixed[vertex]);
         let square = |vertex: usize| -> f64 {
             let off = |axis: usize| state[[axis, vertex]] - self.targets.centre[axis];
-            (0..3).map(|axis| off(axis).powi(2)).sum()
+            (0..state.nrows()).map(|axis| off(axis).powi(2)).sum()
         };
         free.map(square).fold(0.0, f64::max).sqrt()
     }

@@ -99,30 +99,33 @@ impl PrimalDualNewton {
 
     /// The dual field brought into balance with `state` (C, V): z + w ∇q, the least change, for
     /// the metric of the weights, that makes M(u − û) + τ Gᵀ A z vanish at free vertices. It may
-    /// leave the unit ball. The weights are those that were last factorized.
+    /// leave the unit ball. The weights are those of the last direction.
     ///
-    /// # Panics
-    /// If nothing was factorized before.
+    /// # Errors
+    /// As [`Self::reweighted`].
     pub fn balanced_dual(
         &mut self,
         energy: &Energy,
         slope: &Slope,
         state: &Array2<f64>,
-    ) -> TangentField {
+    ) -> Result<TangentField> {
+        if self.dual.len() == 1 {
+            // The factor at hand may be that of H.
+            self.factorize(energy, reweighted_stiffness(energy, slope))?;
+        }
         let gradient = energy.operators.gradient();
         let mut potential = energy.descent_of(state.view(), &self.dual);
         self.cholesky.solve_in_place(&mut potential);
         let channels = self.dual.iter().zip(potential.rows());
-        channels
-            .map(|(z, potential)| {
-                let change = |face| gradient.on_face(face, &potential);
-                let balanced = |face: usize| {
-                    let ([x, y], [p, q]) = (z[face], change(face));
-                    [x + slope.weights[face] * p, y + slope.weights[face] * q]
-                };
-                (0..z.len()).map(balanced).collect()
-            })
-            .collect()
+        let balanced = channels.map(|(z, potential)| {
+            let change = |face| gradient.on_face(face, &potential);
+            let balanced = |face: usize| {
+                let ([x, y], [p, q]) = (z[face], change(face));
+                [x + slope.weights[face] * p, y + slope.weights[face] * q]
+            };
+            (0..z.len()).map(balanced).collect()
+        });
+        Ok(balanced.collect())
     }
 
     /// z ← w (∇u + ∇δ − w ⟨∇u, ∇δ⟩ z), w = 1/|∇u|_ε; on steep faces w (∇u + ∇δ).
@@ -146,6 +149,12 @@ impl PrimalDualNewton {
             }
         }
         self.set_dual(energy, slope, field);
+    }
+
+    /// Starts anew with the dual field 0, for functions with `channels` channels.
+    pub fn forget(&mut self, channels: usize) {
+        let faces = self.dual.first().map_or(0, Vec::len);
+        self.dual = vec![vec![[0.0; 2]; faces]; channels];
     }
 
     /// The dual field z.
