@@ -67,16 +67,17 @@ def test_repeated_drags_converge_from_rest():
     deformer, targets = rig.deformer(), rig.targets(SHIFT)
     dragged = [deformer.drag(targets) for _ in range(25)]
     variations = [result.total_variation for result in dragged]
-    assert all(later < earlier for earlier, later in pairwise(variations))
+    assert all(later < 1.001 * earlier for earlier, later in pairwise(variations))
     assert variations[-1] <= 1.002 * rig.optimum(targets).total_variation
     assert dragged[-1].gap < 2e-3
 
 
-def test_the_first_drag_is_the_harmonic_deformation(rig):
-    targets = rig.targets(SHIFT)
-    harmonic = spectral_tv.deform(rig.mesh, rig.indices, targets, algorithm="harmonic")
-    dragged = rig.deformer().drag(targets)
-    np.testing.assert_allclose(dragged.vertices, harmonic.vertices, atol=1e-9)
+def test_the_first_drag_is_no_worse_than_the_harmonic_deformation(rig):
+    for angle in (0.0, 0.3):
+        targets = rig.targets(SHIFT, angle)
+        harmonic = spectral_tv.deform(rig.mesh, rig.indices, targets, algorithm="harmonic")
+        dragged = rig.deformer().drag(targets)
+        assert dragged.total_variation <= harmonic.total_variation * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("softness", [0.0, 0.4])

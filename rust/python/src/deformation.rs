@@ -144,10 +144,11 @@ impl Deformer {
         })
     }
 
-    /// Follow handles to new targets by a single linear solution that starts from the last shape:
-    /// what there is time for while they are dragged. Within some tenths of a percent of the
-    /// optimum after a small movement; after a large one or from rest it takes a few calls, or
-    /// `solve`, to get there.
+    /// Follow handles to new targets by a linear solution that starts from the last shape, and a
+    /// Newton step where a shift has left it behind: what there is time for while they are
+    /// dragged. Within some tenths of a percent of the optimum after a small movement; from rest,
+    /// after a large one or when handles begin to turn it takes some calls, or `solve`. The gap of
+    /// the result tells.
     ///
     /// Parameters
     /// ----------

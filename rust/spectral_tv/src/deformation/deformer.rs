@@ -23,6 +23,8 @@ const SOLVED: f64 = 0.1;
 const MOST_ITERATIONS: usize = 100;
 /// ε while dragging, relative to the energy over the area.
 const DRAG_EPSILON: f64 = 1e-3;
+/// The gap beyond which a drag takes a Newton step too, where that costs no more.
+const LAGGING: f64 = 0.02;
 /// Gradients below this, relative to the displacements over the size, are rounding.
 const UNSTRETCHED: f64 = 1e-9;
 /// Progress is shown as nearing the end by this factor an iteration.
@@ -154,8 +156,9 @@ impl Deformer {
     }
 
     /// One reweighted solution for new target `positions`, starting from the last one: what there
-    /// is time for while a handle is dragged. After a small movement it is within some tenths of
-    /// a percent of the optimum; from rest it takes some calls to get there.
+    /// is time for while a handle is dragged, and a Newton step where a shift has left it behind.
+    /// After a small movement it is within some tenths of a percent of the optimum; from rest, or
+    /// when handles begin to turn, it takes some calls to get there. The gap tells.
     ///
     /// # Errors
     /// If there are not as many positions as constraints, one is not finite, two exact ones of a
@@ -167,7 +170,14 @@ impl Deformer {
         }
         let gap = self.within_span(&targets, |deformer, targets| {
             let field = deformer.follow(targets)?;
-            Ok(deformer.gap(targets, 0.0, &field))
+            let mut gap = deformer.gap(targets, 0.0, &field);
+            if targets.displacements.nrows() == 1 && gap > LAGGING {
+                let epsilon = DRAG_EPSILON * deformer.gradient_scale(targets);
+                let slope = deformer.iterate(targets, epsilon)?;
+                let field = deformer.balanced_dual(targets, &slope)?;
+                gap = deformer.gap(targets, 0.0, &field);
+            }
+            Ok(gap)
         })?;
         Ok(self.deformation(gap, 1))
     }
