@@ -33,7 +33,7 @@ class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
     bl_label = "Add Constraint"
     needs_constraint = False
 
-    kind: EnumProperty(name="Kind", items=constraints.KINDS)
+    kind: EnumProperty(name="Kind", description="Where the vertices go", items=constraints.KINDS)
 
     @classmethod
     def description(cls, _context, properties) -> str:
