@@ -31,6 +31,7 @@ __version__: str
 _Method = Literal["m1", "m2", "m3", "naive", "heat"]
 _Scheme = Literal["extrapolated", "lagged", "exact"]
 _Algorithm = Literal["convex", "paper", "harmonic", "biharmonic", "arap"]
+_Solver = Literal["auto", "cholesky", "multigrid"]
 _Progress = Callable[[float], object]
 
 class MeshError(ValueError): ...
@@ -130,6 +131,7 @@ def decompose(
     *,
     scheme: _Scheme = "extrapolated",
     tolerance: float = 1e-3,
+    solver: _Solver = "auto",
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
@@ -142,6 +144,7 @@ def start_decompose(
     *,
     scheme: _Scheme = "extrapolated",
     tolerance: float = 1e-3,
+    solver: _Solver = "auto",
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
@@ -184,9 +187,15 @@ def flow(
     *,
     scheme: _Scheme = "extrapolated",
     tolerance: float = 1e-3,
+    solver: _Solver = "auto",
 ) -> Flow: ...
 def conformal_flow(
-    mesh: Mesh, time: float, steps: int = 10, progress: _Progress | None = None
+    mesh: Mesh,
+    time: float,
+    steps: int = 10,
+    progress: _Progress | None = None,
+    *,
+    solver: _Solver = "auto",
 ) -> NDArray[np.float64]: ...
 def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
 def default_scales(method: _Method) -> tuple[float, float]: ...

@@ -53,6 +53,7 @@ def test_mesh_refuses(vertices, triangles, message):
         ({"method": "m4"}, 'method must be .* not "m4"'),
         ({"steps": 0}, "steps must be at least 1"),
         ({"scheme": "magic"}, "scheme must be"),
+        ({"solver": "magic"}, "solver must be"),
         ({"times": [0.0]}, "at least two values"),
         ({"times": [0.1, 0.2]}, r"times\[0\] must be 0"),
         ({"times": [0.0, 0.2, 0.2]}, r"times\[2\] is 0.2 after 0.2"),

@@ -151,6 +151,10 @@ impl Decomposition {
 ///     How steps take their weights; see `flow`. "exact" is for "naive", "m1" and "m3".
 /// tolerance : float
 ///     Relative duality gap of exact steps, in (0, 1).
+/// solver : {"auto", "cholesky", "multigrid"}
+///     How the linear systems of steps are solved: by what is faster at the mesh's size, by
+///     factorization, or by conjugate gradients with multigrid to 2e-6 of each increment.
+///     Exact steps are always solved by factorization.
 /// p : {3, 2, 1}
 ///     The P of "m2". Only 3 is zero-homogeneous.
 /// base : (V, 3) array, optional
@@ -168,7 +172,8 @@ impl Decomposition {
 ///     If an argument is of the wrong shape, not finite, or out of range; says where.
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, progress = None, *,
-                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None, base_time = None))]
+                    scheme = "extrapolated", tolerance = 1e-3, solver = "auto", p = 3, base = None,
+                    base_time = None))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -182,6 +187,7 @@ pub fn decompose(
     progress: Option<&Bound<'_, PyAny>>,
     scheme: &str,
     tolerance: f64,
+    solver: &str,
     p: u32,
     base: Option<Bound<'_, PyAny>>,
     base_time: Option<f64>,
@@ -192,6 +198,7 @@ pub fn decompose(
         steps,
         scheme,
         tolerance,
+        solver,
         p,
         base,
         base_time,
@@ -211,7 +218,8 @@ pub fn decompose(
 ///     If an argument cannot be read; what only the work finds out, `Job.result` raises.
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, *,
-                    scheme = "extrapolated", tolerance = 1e-3, p = 3, base = None, base_time = None))]
+                    scheme = "extrapolated", tolerance = 1e-3, solver = "auto", p = 3, base = None,
+                    base_time = None))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -223,6 +231,7 @@ pub fn start_decompose(
     steps: usize,
     scheme: &str,
     tolerance: f64,
+    solver: &str,
     p: u32,
     base: Option<Bound<'_, PyAny>>,
     base_time: Option<f64>,
@@ -233,6 +242,7 @@ pub fn start_decompose(
         steps,
         scheme,
         tolerance,
+        solver,
         p,
         base,
         base_time,

@@ -13,7 +13,7 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::job::Task;
 use crate::mesh::Mesh;
-use crate::settings::scheme as parse_scheme;
+use crate::settings::{scheme as parse_scheme, solver as parse_solver};
 
 /// A flow sampled at N + 1 times, made by `flow` or found in `Decomposition.flow`.
 #[pyclass(frozen, module = "spectral_tv")]
@@ -96,6 +96,8 @@ impl Flow {
 ///     or at the last one with backward Euler (the paper's step).
 /// tolerance : float
 ///     Relative duality gap of exact steps, in (0, 1).
+/// solver : {"auto", "cholesky", "multigrid"}
+///     How the linear systems of steps are solved; see `decompose`.
 ///
 /// Returns
 /// -------
@@ -107,7 +109,7 @@ impl Flow {
 ///     If an argument is of the wrong shape, not finite, or out of range; says where.
 #[pyfunction]
 #[pyo3(signature = (mesh, values, times, operator = "tv", exact = false, progress = None, *,
-                    scheme = "extrapolated", tolerance = 1e-3))]
+                    scheme = "extrapolated", tolerance = 1e-3, solver = "auto"))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -122,10 +124,12 @@ pub fn flow(
     progress: Option<&Bound<'_, PyAny>>,
     scheme: &str,
     tolerance: f64,
+    solver: &str,
 ) -> Result<Flow, Failure> {
     let (values, is_flat) = arrays::channels("values", values)?;
     let times = arrays::list("times", times)?;
     let scheme = parse_scheme(if exact { "exact" } else { scheme }, tolerance)?;
+    let solver = parse_solver(solver)?;
     let is_tv = match operator {
         "tv" => true,
         "heat" => false,
@@ -141,7 +145,8 @@ pub fn flow(
             true => Box::new(TotalVariation::starting_at(&operators, values.view())?),
             false => Box::new(Heat),
         };
-        run_flow(&operators, &*law, scheme, &values, &times, monitor.whole())
+        let stage = monitor.whole();
+        run_flow(&operators, &*law, scheme, &values, &times, solver, stage)
     })?;
     Ok(Flow::new(task.wait(py, progress)?, is_flat))
 }
@@ -158,6 +163,8 @@ pub fn flow(
 ///     Number of equal steps.
 /// progress : callable, optional
 ///     Called with the fraction done.
+/// solver : {"auto", "cholesky", "multigrid"}
+///     How the linear systems are solved; see `decompose`.
 ///
 /// Returns
 /// -------
@@ -169,18 +176,21 @@ pub fn flow(
 /// MeshError
 ///     If time or steps are not positive.
 #[pyfunction]
-#[pyo3(signature = (mesh, time, steps = 10, progress = None))]
+#[pyo3(signature = (mesh, time, steps = 10, progress = None, *, solver = "auto"))]
 pub fn conformal_flow<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     time: f64,
     steps: usize,
     progress: Option<&Bound<'py, PyAny>>,
+    solver: &str,
 ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+    let solver = parse_solver(solver)?;
     let mesh = Arc::clone(&mesh.inner);
     let task = Task::start(move |monitor| {
         let operators = Discretization::new(&mesh);
-        conformal_mean_curvature_flow(&mesh, &operators, time, steps, monitor.whole())
+        let stage = monitor.whole();
+        conformal_mean_curvature_flow(&mesh, &operators, time, steps, solver, stage)
     })?;
     Ok(arrays::per_vertex(py, &task.wait(py, progress)?))
 }

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::Weights;
 use spectral_tv::method::{self, Base, Method, Scheme, Settings, relative_scales};
+use spectral_tv::solver::Solver;
 
 use crate::arrays;
 use crate::error::Failure;
@@ -17,6 +18,7 @@ pub struct Request<'a, 'py> {
     pub steps: usize,
     pub scheme: &'a str,
     pub tolerance: f64,
+    pub solver: &'a str,
     pub p: u32,
     pub base: Option<Bound<'py, PyAny>>,
     pub base_time: Option<f64>,
@@ -33,6 +35,7 @@ impl Request<'_, '_> {
             },
             steps: self.steps,
             scheme: scheme(self.scheme, self.tolerance)?,
+            solver: solver(self.solver)?,
         })
     }
 
@@ -91,6 +94,7 @@ pub fn default_scales(method: &str) -> Result<(f64, f64), Failure> {
         steps: 1,
         scheme: "extrapolated",
         tolerance: 1e-3,
+        solver: "auto",
         p: 3,
         base: None,
         base_time: None,
@@ -134,6 +138,19 @@ pub fn scheme(name: &str, tolerance: f64) -> Result<Scheme, Failure> {
         "exact" => Ok(Scheme::Exact { tolerance }),
         other => Err(Error::Argument(format!(
             "scheme must be \"lagged\", \"extrapolated\" or \"exact\", not {other:?}"
+        ))
+        .into()),
+    }
+}
+
+/// The way linear systems are solved.
+pub fn solver(name: &str) -> Result<Solver, Failure> {
+    match name {
+        "auto" => Ok(Solver::Auto),
+        "cholesky" => Ok(Solver::Cholesky),
+        "multigrid" => Ok(Solver::Multigrid),
+        other => Err(Error::Argument(format!(
+            "solver must be \"auto\", \"cholesky\" or \"multigrid\", not {other:?}"
         ))
         .into()),
     }

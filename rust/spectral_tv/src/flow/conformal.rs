@@ -8,6 +8,7 @@ use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
 use crate::mesh::{TriangleMesh, barycentric_areas};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
+use crate::solver::Solver;
 
 /// Past extinction areas vanish and the systems turn singular; these keep them solvable.
 /// Relative to the initial shape.
@@ -72,7 +73,8 @@ impl Law for ConformalLaplace {
 }
 
 /// Conformalized mean curvature flow of the mesh (Kazhdan, Solomon, Ben-Chen 2012) for
-/// `duration` (length²) in equal steps, neither rescaled nor recentred; positions (3, V).
+/// `duration` (length²) in equal steps, neither rescaled nor recentred, its systems solved by
+/// `solver`; positions (3, V).
 ///
 /// # Errors
 /// For a duration that is not positive, no steps, or cancellation.
@@ -81,6 +83,7 @@ pub fn conformal_mean_curvature_flow(
     operators: &Discretization,
     duration: f64,
     steps: usize,
+    solver: Solver,
     stage: Stage,
 ) -> Result<Array2<f64>> {
     if !(duration > 0.0 && duration.is_finite()) {
@@ -96,7 +99,8 @@ pub fn conformal_mean_curvature_flow(
         .map(|k| duration * k as f64 / steps as f64)
         .collect();
     let initial = positions(mesh);
-    let flow = semi_implicit_flow(operators, &law, Weights::Lagged, &initial, &times, stage)?;
+    let weights = Weights::Lagged;
+    let flow = semi_implicit_flow(operators, &law, weights, &initial, &times, solver, stage)?;
     Ok(flow.states.index_axis(ndarray::Axis(0), steps).to_owned())
 }
 

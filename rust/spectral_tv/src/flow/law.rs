@@ -3,7 +3,7 @@
 use ndarray::ArrayView2;
 
 /// The law of a diffusion whose face weights depend on the size of the gradient alone.
-pub trait Law {
+pub trait Law: Sync {
     /// The weight w of every face from n = |∇u| there, over all channels, in the metric g₀.
     /// n w(n) must not fall as n grows: a step then minimises a convex energy.
     fn weights(&self, gradient_norms: &[f64]) -> Vec<f64>;

@@ -11,6 +11,7 @@ use crate::mesh::TriangleMesh;
 use crate::method::{Decomposition, Displacement, Method, default_times};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
+use crate::solver::Solver;
 use crate::spectral::SpectralTransform;
 
 /// Share of M3's progress that is given to its base.
@@ -39,6 +40,8 @@ pub struct Settings {
     pub steps: usize,
     /// How steps are taken.
     pub scheme: Scheme,
+    /// How linear systems are solved.
+    pub solver: Solver,
 }
 
 /// Decomposes the shape of `mesh` into scales.
@@ -53,7 +56,8 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     let operators = Discretization::new(mesh);
     stage.report(0.0)?;
     let run = |law: &dyn Law, values: &Array2<f64>, stage: Stage| {
-        run_flow(&operators, law, settings.scheme, values, &times, stage)
+        let (scheme, solver) = (settings.scheme, settings.solver);
+        run_flow(&operators, law, scheme, values, &times, solver, stage)
     };
     let tv = |values: &Array2<f64>, stage: Stage| {
         run(
@@ -77,8 +81,9 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
             run(&ConformalLaplace::new(mesh, &operators, *p)?, &shape, stage)?
         }
         Method::DirectionalTv { base } => {
-            let base = base.shape(mesh, &operators, stage.stage(0.0, BASE_SHARE))?;
-            let representation = Displacement::between(mesh, &operators, base)?;
+            let (solver, base_stage) = (settings.solver, stage.stage(0.0, BASE_SHARE));
+            let base = base.shape(mesh, &operators, solver, base_stage)?;
+            let representation = Displacement::between(mesh, &operators, base, solver, stage)?;
             let trajectory = tv(&representation.distance, stage.stage(BASE_SHARE, 1.0))?;
             displacement = Some(representation);
             trajectory
@@ -92,7 +97,8 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     ))
 }
 
-/// Runs `law` from `values` (C, V) through `times` by `scheme`.
+/// Runs `law` from `values` (C, V) through `times` by `scheme`, the systems of semi-implicit
+/// steps solved by `solver`.
 ///
 /// # Errors
 /// As the flows themselves, or if the exact scheme is asked for where no step minimises TV.
@@ -102,11 +108,12 @@ pub fn run_flow(
     scheme: Scheme,
     values: &Array2<f64>,
     times: &[f64],
+    solver: Solver,
     stage: Stage,
 ) -> Result<Trajectory> {
     match scheme {
         Scheme::SemiImplicit(weights) => {
-            semi_implicit_flow(operators, law, weights, values, times, stage)
+            semi_implicit_flow(operators, law, weights, values, times, solver, stage)
         }
         Scheme::Exact { tolerance } if law.is_total_variation() => {
             proximal_flow(operators, tolerance, values, times, stage)

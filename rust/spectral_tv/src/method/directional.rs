@@ -8,6 +8,7 @@ use crate::mesh::TriangleMesh;
 use crate::method::outward::outward_signs;
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
+use crate::solver::Solver;
 
 /// How far cMCF flows for the default base, relative to the surface area, and in how many
 /// steps: enough to swallow limbs and leave a smooth body.
@@ -40,7 +41,7 @@ impl Default for Base {
 }
 
 impl Base {
-    /// Ŝ for `mesh`, (3, V).
+    /// Ŝ for `mesh`, (3, V); systems are solved by `solver`.
     ///
     /// # Errors
     /// If a given shape has another number of vertices or a coordinate that is not finite; or
@@ -49,6 +50,7 @@ impl Base {
         &self,
         mesh: &TriangleMesh,
         operators: &Discretization,
+        solver: Solver,
         stage: Stage,
     ) -> Result<Array2<f64>> {
         match self {
@@ -57,6 +59,7 @@ impl Base {
                 operators,
                 time.unwrap_or(BASE_TIME * mesh.area()),
                 steps.unwrap_or(BASE_STEPS),
+                solver,
                 stage,
             ),
             Self::Shape(shape) => {
@@ -95,15 +98,17 @@ impl Displacement {
     /// the normal of Ŝ (see `outward`); the normal itself where S and Ŝ coincide.
     ///
     /// # Errors
-    /// [`crate::Error::Solver`] if the signs cannot be computed.
+    /// [`crate::Error::Solver`] if the signs cannot be computed, [`crate::Error::Cancelled`].
     pub fn between(
         mesh: &TriangleMesh,
         operators: &Discretization,
         base: Array2<f64>,
+        solver: Solver,
+        stage: Stage,
     ) -> Result<Self> {
         let normals = vertex_normals(base.view(), mesh.triangles());
         let mut direction = positions(mesh) - &base;
-        let signs = outward_signs(operators, direction.view(), normals.view())?;
+        let signs = outward_signs(operators, direction.view(), normals.view(), solver, stage)?;
         let smallest = COINCIDENT * mesh.area().sqrt();
         let mut distance = Array2::zeros((1, base.ncols()));
         for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {

@@ -3,13 +3,16 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::Result;
+use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness};
-use crate::solver::Cholesky;
+use crate::solver::{LinearSolver, Solver};
 
 /// How far along the surface directions are kept coherent, squared and relative to the area.
 const COHERENCE: f64 = 0.1;
 /// Weight of vertices without displacement, relative to the mean, so that the system is regular.
 const LEAST_WEIGHT: f64 = 1e-6;
+/// Relative error of s that an iterative solver leaves.
+const TOLERANCE: f64 = 1e-5;
 
 /// α = ±1 for every vertex, from its displacement D = S − Ŝ and the normal n of Ŝ, both (3, V).
 ///
@@ -23,6 +26,8 @@ pub(super) fn outward_signs(
     operators: &Discretization,
     displacements: ArrayView2<f64>,
     normals: ArrayView2<f64>,
+    solver: Solver,
+    stage: Stage,
 ) -> Result<Vec<f64>> {
     let (gradient, masses) = (operators.gradient(), operators.masses());
     let columns = || displacements.columns().into_iter();
@@ -55,18 +60,16 @@ pub(super) fn outward_signs(
             diagonal[corner as usize] += missing;
         }
     }
-    let mut system = operators.pattern().zeros();
+    let pattern = operators.pattern();
+    let mut solver = LinearSolver::new(pattern.zeros(), solver, stage)?;
     let stiffness = |face: usize| coupling(face).map(|coupling| -coupling);
-    operators
-        .pattern()
-        .assemble(gradient, &diagonal, stiffness, &mut system);
-    let mut solver = Cholesky::analyse(&system)?;
-    solver.factorize(&system)?;
-    let mut smoothed = Array2::zeros((1, lengths.len()));
+    let assemble = |system: &mut _| pattern.assemble(gradient, &diagonal, stiffness, system);
+    solver.set_matrix(&diagonal, assemble, stage)?;
+    let mut data = Array2::zeros((1, lengths.len()));
     for (vertex, (displacement, normal)) in columns().zip(normals.columns()).enumerate() {
-        smoothed[[0, vertex]] = masses[vertex] * displacement.dot(&normal) / mean;
+        data[[0, vertex]] = masses[vertex] * displacement.dot(&normal) / mean;
     }
-    solver.solve_in_place(&mut smoothed);
+    let smoothed = solver.solve(data, None, TOLERANCE, stage)?;
     Ok(smoothed
         .iter()
         .map(|&s| if s < 0.0 { -1.0 } else { 1.0 })

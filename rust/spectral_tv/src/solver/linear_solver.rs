@@ -1,0 +1,118 @@
+//! One interface to the solvers, and the choice between them.
+
+use ndarray::Array2;
+use sprs::CsMatI;
+
+use crate::error::{Error, Result};
+use crate::monitor::Stage;
+use crate::solver::{Cholesky, Multigrid};
+
+/// Number of unknowns from which multigrid is faster than a factorization.
+const LARGE: usize = 20_000;
+
+/// How linear systems are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// By what is faster at the size at hand.
+    #[default]
+    Auto,
+    /// By factorization: exact to rounding, for small meshes and as the reference.
+    Cholesky,
+    /// By conjugate gradients with multigrid: linear in time and memory, can be interrupted.
+    Multigrid,
+}
+
+/// Solves systems with symmetric positive definite matrices of one pattern.
+pub struct LinearSolver {
+    lower: CsMatI<f64, u32>,
+    multigrid: Option<Multigrid>,
+    cholesky: Option<Cholesky>,
+    /// Whether `cholesky` holds the factor of `lower`.
+    is_factorized: bool,
+}
+
+impl LinearSolver {
+    /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], or [`Error::Solver`] if memory does not suffice.
+    pub fn new(lower: CsMatI<f64, u32>, solver: Solver, stage: Stage) -> Result<Self> {
+        let is_iterative = match solver {
+            Solver::Auto => lower.cols() >= LARGE,
+            Solver::Cholesky => false,
+            Solver::Multigrid => true,
+        };
+        stage.check()?;
+        let (multigrid, cholesky) = match is_iterative {
+            true => (Some(Multigrid::analyse(&lower, stage)?), None),
+            false => (None, Some(Cholesky::analyse(&lower)?)),
+        };
+        Ok(Self {
+            lower,
+            multigrid,
+            cholesky,
+            is_factorized: false,
+        })
+    }
+
+    /// Takes the matrix whose rows sum to `masses`, and whose lower triangle `assemble` writes.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
+    pub fn set_matrix(
+        &mut self,
+        masses: &[f64],
+        assemble: impl FnOnce(&mut CsMatI<f64, u32>),
+        stage: Stage,
+    ) -> Result<()> {
+        assemble(&mut self.lower);
+        stage.check()?;
+        self.is_factorized = false;
+        if let Some(multigrid) = &mut self.multigrid {
+            match multigrid.set_matrix(&self.lower, masses, stage) {
+                Err(Error::Solver(_)) => {}
+                outcome => return outcome,
+            }
+        }
+        self.factorize()
+    }
+
+    /// Solves K x = b for every row b of `right_hand_sides` (C, V). An iteration starts from
+    /// `guess`, if given, and ends once its error is `tolerance` times x in the energy norm; a
+    /// factorization needs neither, and also takes over where an iteration does not converge.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
+    pub fn solve(
+        &mut self,
+        mut right_hand_sides: Array2<f64>,
+        guess: Option<&Array2<f64>>,
+        tolerance: f64,
+        stage: Stage,
+    ) -> Result<Array2<f64>> {
+        if let Some(multigrid) = &mut self.multigrid
+            && !self.is_factorized
+        {
+            let guess = guess.map(|guess| guess.view());
+            match multigrid.solve(right_hand_sides.view(), guess, tolerance, stage) {
+                Err(Error::Solver(_)) => self.factorize()?,
+                outcome => return outcome,
+            }
+        }
+        if let Some(cholesky) = &mut self.cholesky {
+            cholesky.solve_in_place(&mut right_hand_sides);
+        }
+        Ok(right_hand_sides)
+    }
+
+    fn factorize(&mut self) -> Result<()> {
+        let mut cholesky = match self.cholesky.take() {
+            Some(cholesky) => cholesky,
+            None => Cholesky::analyse(&self.lower)?,
+        };
+        let outcome = cholesky.factorize(&self.lower);
+        self.is_factorized = outcome.is_ok();
+        self.cholesky = Some(cholesky);
+        outcome
+    }
+}

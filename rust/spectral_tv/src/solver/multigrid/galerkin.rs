@@ -1,0 +1,369 @@
+//! The matrix of the next level, PᵀKP: where everything goes is worked out once, the values of
+//! every later matrix of the pattern then flow through two passes of multiply and add.
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::monitor::Stage;
+use crate::solver::multigrid::matrix::{Matrix, chunk_length, split_at_bounds};
+use crate::solver::multigrid::prolongation::{Prolongation, WIDTH};
+
+/// The maps from a matrix K and a prolongation P to KP, and from there to PᵀKP.
+pub(super) struct Galerkin {
+    /// First entry of each row of KP, and their number at the end.
+    starts: Vec<u32>,
+    /// KP.
+    values: Vec<f32>,
+    /// Where each row's own weights go in its row of KP, and those of its neighbours.
+    own_slots: Vec<[u16; WIDTH]>,
+    slots: Vec<[[u16; WIDTH]; 8]>,
+    /// What of each row's mass and of its couplings to rows that do not take part remains.
+    masses: Vec<f32>,
+    /// First of each coarse row's `places`, and their number at the end.
+    place_starts: Vec<u64>,
+    /// Where every entry of KP that a coarse row gathers goes in it: its neighbours first, then
+    /// itself.
+    places: Vec<u16>,
+}
+
+/// Entries of a row that positions can tell apart; a mesh beyond that is for another solver.
+const MOST_ENTRIES: usize = u16::MAX as usize;
+
+impl Galerkin {
+    /// The maps, and a coarse matrix of their pattern without values.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], or [`Error::Solver`] if a vertex has too many neighbours.
+    pub fn new(
+        matrix: &Matrix,
+        prolongation: &Prolongation,
+        stage: Stage,
+    ) -> Result<(Self, Matrix)> {
+        let product = Product::new(matrix, prolongation)?;
+        stage.check()?;
+        let size = prolongation.coarse_size();
+        let chunk = chunk_length(size);
+        let parts: Vec<Part> = (0..size.div_ceil(chunk))
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|part| {
+                let rows = part * chunk..((part + 1) * chunk).min(size);
+                Part::new(rows, size, &product, prolongation)
+            })
+            .collect::<Result<_>>()?;
+        stage.check()?;
+        let mut place_starts = vec![0];
+        let mut places = Vec::new();
+        for part in &parts {
+            let first = places.len() as u64;
+            place_starts.extend(part.place_ends.iter().map(|end| first + end));
+            places.extend_from_slice(&part.places);
+        }
+        let rows = parts.iter().flat_map(|part| {
+            let bounds = part.neighbour_starts.windows(2);
+            bounds.map(|bound| &part.neighbours[bound[0]..bound[1]])
+        });
+        let coarse = Matrix::with_pattern(rows);
+        let galerkin = Self {
+            values: vec![0.0; product.columns.len()],
+            starts: product.starts,
+            own_slots: product.own_slots,
+            slots: product.slots,
+            masses: vec![0.0; matrix.size()],
+            place_starts,
+            places,
+        };
+        Ok((galerkin, coarse))
+    }
+
+    /// `coarse` ← PᵀKP.
+    pub fn refresh(&mut self, matrix: &Matrix, prolongation: &Prolongation, coarse: &mut Matrix) {
+        self.multiply(matrix, prolongation);
+        self.gather(prolongation, coarse);
+    }
+
+    /// KP, and the row sums of K over the rows that take part.
+    fn multiply(&mut self, matrix: &Matrix, prolongation: &Prolongation) {
+        let chunk = matrix.chunk();
+        let (starts, slots, own_slots) = (&self.starts, &self.slots, &self.own_slots);
+        let parts = parts_of(&mut self.values, starts, matrix.size(), chunk);
+        let parts = parts.into_par_iter().zip(self.masses.par_chunks_mut(chunk));
+        parts
+            .enumerate()
+            .with_max_len(1)
+            .for_each(|(part, (values, masses))| {
+                values.fill(0.0);
+                let first = part * chunk;
+                for (offset, mass) in masses.iter_mut().enumerate() {
+                    let row = first + offset;
+                    let start = (starts[row] - starts[first]) as usize;
+                    let end = (starts[row + 1] - starts[first]) as usize;
+                    let values = &mut values[start..end];
+                    *mass = matrix.masses[row];
+                    let mut diagonal = *mass;
+                    let octets = matrix.starts[row] as usize..matrix.starts[row + 1] as usize;
+                    for (octet, slots) in matrix.octets[octets.clone()].iter().zip(&slots[octets]) {
+                        let entries = octet.couplings.iter().zip(octet.columns).zip(slots);
+                        for ((&coupling, column), slots) in entries {
+                            let weights = &prolongation.weights[column as usize];
+                            diagonal += coupling;
+                            if weights[0] == 0.0 {
+                                *mass += coupling;
+                            }
+                            for (slot, weight) in slots.iter().zip(weights) {
+                                values[usize::from(*slot)] -= coupling * weight;
+                            }
+                        }
+                    }
+                    for (slot, weight) in own_slots[row].iter().zip(&prolongation.weights[row]) {
+                        values[usize::from(*slot)] += diagonal * weight;
+                    }
+                }
+            });
+    }
+
+    /// Pᵀ(KP).
+    fn gather(&self, prolongation: &Prolongation, coarse: &mut Matrix) {
+        let (size, chunk) = (coarse.size(), coarse.chunk());
+        let weights = prolongation.weights.as_flattened();
+        let starts = &coarse.starts;
+        let parts = parts_of(&mut coarse.octets, starts, size, chunk);
+        let parts = parts
+            .into_par_iter()
+            .zip(coarse.masses.par_chunks_mut(chunk));
+        parts
+            .enumerate()
+            .with_max_len(1)
+            .for_each(|(part, (octets, masses))| {
+                let first = part * chunk;
+                let mut sums = Vec::new();
+                for (offset, mass) in masses.iter_mut().enumerate() {
+                    let row = first + offset;
+                    let start = (starts[row] - starts[first]) as usize;
+                    let end = (starts[row + 1] - starts[first]) as usize;
+                    let octets = &mut octets[start..end];
+                    // A row's own entry follows those of its neighbours.
+                    sums.clear();
+                    sums.resize(8 * octets.len() + 1, 0.0);
+                    let mut places = self.places[self.place_starts[row] as usize..].iter();
+                    *mass = 0.0;
+                    for &entry in prolongation.entries(row) {
+                        let (fine, weight) = (entry as usize / WIDTH, weights[entry as usize]);
+                        *mass += weight * self.masses[fine];
+                        let values = self.starts[fine] as usize..self.starts[fine + 1] as usize;
+                        for (value, place) in self.values[values].iter().zip(&mut places) {
+                            sums[usize::from(*place)] -= weight * value;
+                        }
+                    }
+                    for (octet, sums) in octets.iter_mut().zip(sums.chunks_exact(8)) {
+                        for ((coupling, column), sum) in
+                            octet.couplings.iter_mut().zip(octet.columns).zip(sums)
+                        {
+                            *coupling = if column as usize == row { 0.0 } else { *sum };
+                        }
+                    }
+                }
+            });
+    }
+}
+
+/// The parts of `items` that belong to `chunk` rows each.
+fn parts_of<'a, T>(
+    items: &'a mut [T],
+    starts: &[u32],
+    size: usize,
+    chunk: usize,
+) -> Vec<&'a mut [T]> {
+    let ends = (1..=size.div_ceil(chunk)).map(|part| (part * chunk).min(size));
+    split_at_bounds(items, ends.map(|row| starts[row] as usize))
+}
+
+/// The pattern of KP.
+struct Product {
+    starts: Vec<u32>,
+    columns: Vec<u32>,
+    own_slots: Vec<[u16; WIDTH]>,
+    slots: Vec<[[u16; WIDTH]; 8]>,
+}
+
+impl Product {
+    fn new(matrix: &Matrix, prolongation: &Prolongation) -> Result<Self> {
+        let (size, chunk) = (matrix.size(), matrix.chunk());
+        let mut own_slots = vec![[0; WIDTH]; size];
+        let mut slots = vec![[[0; WIDTH]; 8]; matrix.octets.len()];
+        let slot_parts = parts_of(&mut slots, &matrix.starts, size, chunk);
+        let parts = own_slots.par_chunks_mut(chunk).zip(slot_parts).enumerate();
+        let lists: Vec<(Vec<u32>, Vec<u32>)> = parts
+            .with_max_len(1)
+            .map(|(part, (own_slots, slots))| {
+                let first = part * chunk;
+                let mut seen = Seen::new(prolongation.coarse_size());
+                let (mut ends, mut columns) = (Vec::new(), Vec::new());
+                for (offset, own) in own_slots.iter_mut().enumerate() {
+                    let row = first + offset;
+                    let start = columns.len();
+                    let octets = matrix.starts[row] as usize..matrix.starts[row + 1] as usize;
+                    let local = octets.start - matrix.starts[first] as usize;
+                    let mut place = |fine: usize| -> [u16; WIDTH] {
+                        match prolongation.reaches(fine) {
+                            true => prolongation.columns[fine]
+                                .map(|column| seen.place(row, column, start, &mut columns)),
+                            false => [0; WIDTH],
+                        }
+                    };
+                    *own = place(row);
+                    for (octet, slots) in matrix.octets[octets].iter().zip(&mut slots[local..]) {
+                        *slots = octet.columns.map(|column| place(column as usize));
+                    }
+                    // Weights of 0 of rows that do not take part are added somewhere, too.
+                    if columns.len() == start {
+                        columns.push(0);
+                    }
+                    check_width(columns.len() - start)?;
+                    ends.push(columns.len() as u32);
+                }
+                Ok((ends, columns))
+            })
+            .collect::<Result<_>>()?;
+        let mut starts = vec![0];
+        let mut columns = Vec::new();
+        for (ends, of_part) in &lists {
+            let first = columns.len() as u32;
+            starts.extend(ends.iter().map(|end| first + end));
+            columns.extend_from_slice(of_part);
+        }
+        Ok(Self {
+            starts,
+            columns,
+            own_slots,
+            slots,
+        })
+    }
+}
+
+/// The pattern of some rows of PᵀKP.
+struct Part {
+    neighbour_starts: Vec<usize>,
+    neighbours: Vec<u32>,
+    place_ends: Vec<u64>,
+    places: Vec<u16>,
+}
+
+impl Part {
+    fn new(
+        rows: std::ops::Range<usize>,
+        size: usize,
+        product: &Product,
+        prolongation: &Prolongation,
+    ) -> Result<Self> {
+        let mut part = Self {
+            neighbour_starts: vec![0],
+            neighbours: Vec::new(),
+            place_ends: Vec::new(),
+            places: Vec::new(),
+        };
+        let mut seen = Seen::new(size);
+        for row in rows {
+            let start = part.neighbours.len();
+            let first = part.places.len();
+            for &entry in prolongation.entries(row) {
+                let fine = entry as usize / WIDTH;
+                let columns = product.starts[fine] as usize..product.starts[fine + 1] as usize;
+                for &column in &product.columns[columns] {
+                    part.places.push(match column as usize == row {
+                        true => OWN,
+                        false => seen.place(row, column, start, &mut part.neighbours),
+                    });
+                }
+            }
+            let width = (part.neighbours.len() - start).next_multiple_of(8);
+            check_width(width + 1)?;
+            for place in part.places[first..]
+                .iter_mut()
+                .filter(|place| **place == OWN)
+            {
+                *place = width as u16;
+            }
+            part.neighbour_starts.push(part.neighbours.len());
+            part.place_ends.push(part.places.len() as u64);
+        }
+        Ok(part)
+    }
+}
+
+/// Stands for a row's own entry until its place is known.
+const OWN: u16 = u16::MAX;
+
+fn check_width(width: usize) -> Result<()> {
+    match width < MOST_ENTRIES {
+        true => Ok(()),
+        false => Err(Error::Solver("a vertex has too many neighbours".into())),
+    }
+}
+
+/// Where columns were listed in the row at work.
+struct Seen {
+    /// The last row + 1 that listed each column, and where.
+    listed: Vec<(u32, u16)>,
+}
+
+impl Seen {
+    fn new(columns: usize) -> Self {
+        Self {
+            listed: vec![(0, 0); columns],
+        }
+    }
+
+    /// The place of `column` in the list of `row`, which begins at `start` of `columns`.
+    #[inline]
+    fn place(&mut self, row: usize, column: u32, start: usize, columns: &mut Vec<u32>) -> u16 {
+        let listed = &mut self.listed[column as usize];
+        if listed.0 != row as u32 + 1 {
+            // Rows that overflow are refused once they are whole.
+            *listed = (row as u32 + 1, (columns.len() - start) as u16);
+            columns.push(column);
+        }
+        listed.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::solver::multigrid::examples::{dense, hierarchy_of, irregular, lattice};
+    use crate::solver::multigrid::hierarchy::Hierarchy;
+    use crate::solver::multigrid::prolongation::WIDTH;
+    use ndarray::Array2;
+
+    fn check(hierarchy: &Hierarchy) {
+        assert!(hierarchy.levels.len() > 1);
+        for pair in hierarchy.levels.windows(2) {
+            let (fine, coarse) = (&pair[0].matrix, &pair[1].matrix);
+            let prolongation = &pair[0].coarsening.as_ref().unwrap().prolongation;
+            let mut p = Array2::<f64>::zeros((fine.size(), coarse.size()));
+            for row in 0..fine.size() {
+                for slot in 0..WIDTH {
+                    let column = prolongation.columns[row][slot] as usize;
+                    p[[row, column]] += f64::from(prolongation.weights[row][slot]);
+                }
+            }
+            let expected = p.t().dot(&dense(fine)).dot(&p);
+            let scale = expected.diag().fold(0.0_f64, |a, b| a.max(*b));
+            let difference = &expected - &dense(coarse);
+            assert!(difference.iter().all(|d| d.abs() < 1e-5 * scale));
+        }
+    }
+
+    #[test]
+    fn the_coarse_matrix_is_the_product() {
+        for mass in [1e-3, 1.0] {
+            let (lower, masses) = lattice(40, 30, mass);
+            check(&hierarchy_of(&lower, &masses));
+        }
+    }
+
+    #[test]
+    fn so_it_is_on_irregular_graphs_with_couplings_of_either_sign() {
+        let (lower, masses) = irregular(1500);
+        check(&hierarchy_of(&lower, &masses));
+    }
+}

@@ -1,0 +1,242 @@
+//! Symmetric matrices in rows of whole octets, and their product with vectors.
+//!
+//! K x = m x − Σ_j c_ij (x_j − x_i): by differences, so that constants cost no digits and row
+//! sums m stay exact beside couplings c a million times larger.
+
+use rayon::prelude::*;
+
+/// The values of up to four functions at one vertex, side by side.
+pub(super) type Lanes<const L: usize> = [f32; L];
+
+/// Eight couplings of one row: a cache line, and a loop of fixed length.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Octet {
+    /// Columns; the row's own where there is nothing.
+    pub columns: [u32; 8],
+    /// Couplings c = −K_ij; 0 where there is nothing.
+    pub couplings: [f32; 8],
+}
+
+/// A symmetric matrix with couplings c_ij and row sums m_i.
+pub(super) struct Matrix {
+    /// First octet of each row, and their number at the end.
+    pub starts: Vec<u32>,
+    pub octets: Vec<Octet>,
+    /// Sums of rows: the masses, where all couplings are with rows of the matrix.
+    pub masses: Vec<f32>,
+}
+
+/// Least number of rows that are worth handing to another thread, and the most parts.
+const LEAST_ROWS: usize = 4096;
+const MOST_CHUNKS: usize = 64;
+
+/// Rows of one part of the work on `size` rows. The parts depend on the size alone, so results
+/// are the same however many threads share them.
+pub(super) fn chunk_length(size: usize) -> usize {
+    let wanted = (size / LEAST_ROWS).clamp(1, MOST_CHUNKS);
+    // A power of two is shared evenly by two or four threads.
+    let count = 1 << wanted.ilog2();
+    size.div_ceil(count).max(1)
+}
+
+impl Matrix {
+    /// A matrix of couplings 0 in the places that `neighbours` lists row by row.
+    pub fn with_pattern<'a>(neighbours: impl Iterator<Item = &'a [u32]>) -> Self {
+        let mut starts = vec![0];
+        let mut octets = Vec::new();
+        for (row, columns) in neighbours.enumerate() {
+            for part in columns.chunks(8) {
+                let mut octet = Octet {
+                    columns: [row as u32; 8],
+                    couplings: [0.0; 8],
+                };
+                octet.columns[..part.len()].copy_from_slice(part);
+                octets.push(octet);
+            }
+            starts.push(octets.len() as u32);
+        }
+        Self {
+            masses: vec![0.0; starts.len() - 1],
+            starts,
+            octets,
+        }
+    }
+
+    /// Number of rows.
+    pub fn size(&self) -> usize {
+        self.masses.len()
+    }
+
+    /// Rows that one thread works on at a time.
+    pub fn chunk(&self) -> usize {
+        chunk_length(self.size())
+    }
+
+    /// The octets of a row.
+    #[inline]
+    pub fn row(&self, row: usize) -> &[Octet] {
+        &self.octets[self.starts[row] as usize..self.starts[row + 1] as usize]
+    }
+
+    /// m + Σ c of a row.
+    #[inline]
+    pub fn diagonal(&self, row: usize) -> f32 {
+        let couplings = self.row(row).iter().flat_map(|octet| octet.couplings);
+        self.masses[row] + couplings.sum::<f32>()
+    }
+
+    /// −(K x) of one row.
+    #[inline(always)]
+    fn descent<const L: usize>(&self, row: usize, x: &[Lanes<L>]) -> Lanes<L> {
+        let own = x[row];
+        let mass = self.masses[row];
+        let mut even = own.map(|value| -mass * value);
+        let mut odd = [0.0; L];
+        for octet in self.row(row) {
+            for pair in 0..4 {
+                accumulate(
+                    &mut even,
+                    octet,
+                    2 * pair,
+                    &x[octet.columns[2 * pair] as usize],
+                    &own,
+                );
+                let next = 2 * pair + 1;
+                accumulate(
+                    &mut odd,
+                    octet,
+                    next,
+                    &x[octet.columns[next] as usize],
+                    &own,
+                );
+            }
+        }
+        std::array::from_fn(|lane| even[lane] + odd[lane])
+    }
+
+    /// `product` ← K x; returns x·K x of every lane.
+    pub fn apply<const L: usize>(&self, x: &[Lanes<L>], product: &mut [Lanes<L>]) -> [f64; L] {
+        let chunk = self.chunk();
+        let dots = product.par_chunks_mut(chunk).enumerate().with_max_len(1);
+        let dots = dots.map(|(part, product)| {
+            let mut dot = [0.0; L];
+            for (offset, value) in product.iter_mut().enumerate() {
+                let row = part * chunk + offset;
+                *value = self.descent(row, x).map(|value| -value);
+                add_products(&mut dot, &x[row], value);
+            }
+            dot
+        });
+        sum(&dots.collect::<Vec<_>>())
+    }
+
+    /// `residual` ← b − K x.
+    pub fn residual<const L: usize>(
+        &self,
+        right_hand_side: &[Lanes<L>],
+        x: &[Lanes<L>],
+        residual: &mut [Lanes<L>],
+    ) {
+        let chunk = self.chunk();
+        let chunks = residual.par_chunks_mut(chunk).enumerate().with_max_len(1);
+        chunks.for_each(|(part, residual)| {
+            for (offset, value) in residual.iter_mut().enumerate() {
+                let row = part * chunk + offset;
+                let (descent, right) = (self.descent(row, x), &right_hand_side[row]);
+                *value = std::array::from_fn(|lane| right[lane] + descent[lane]);
+            }
+        });
+    }
+}
+
+#[inline(always)]
+pub(super) fn accumulate<const L: usize>(
+    sum: &mut Lanes<L>,
+    octet: &Octet,
+    entry: usize,
+    other: &Lanes<L>,
+    own: &Lanes<L>,
+) {
+    for lane in 0..L {
+        sum[lane] += octet.couplings[entry] * (other[lane] - own[lane]);
+    }
+}
+
+/// `sum` += a b, lane by lane, in double precision.
+#[inline(always)]
+pub(super) fn add_products<const L: usize>(sum: &mut [f64; L], a: &Lanes<L>, b: &Lanes<L>) {
+    for lane in 0..L {
+        sum[lane] += f64::from(a[lane]) * f64::from(b[lane]);
+    }
+}
+
+/// The sum of parts, in their order.
+pub(super) fn sum<const L: usize>(parts: &[[f64; L]]) -> [f64; L] {
+    let mut total = [0.0; L];
+    for part in parts {
+        for lane in 0..L {
+            total[lane] += part[lane];
+        }
+    }
+    total
+}
+
+/// The parts of `items` between neighbouring `bounds`.
+pub(super) fn split_at_bounds<T>(
+    mut items: &mut [T],
+    bounds: impl Iterator<Item = usize>,
+) -> Vec<&mut [T]> {
+    let mut parts = Vec::new();
+    let mut start = 0;
+    for bound in bounds {
+        let (part, rest) = items.split_at_mut(bound - start);
+        parts.push(part);
+        items = rest;
+        start = bound;
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::multigrid::examples::{dense, hierarchy_of, lattice, random};
+
+    #[test]
+    fn products_are_those_of_the_dense_matrix() {
+        let (lower, masses) = lattice(9, 7, 1.0);
+        let hierarchy = hierarchy_of(&lower, &masses);
+        let matrix = &hierarchy.levels[0].matrix;
+        let full = dense(matrix);
+        let x = random::<4>(63, 1);
+        let mut product = vec![[0.0; 4]; 63];
+        let dot = matrix.apply(&x, &mut product);
+        let right = random::<4>(63, 2);
+        let mut residual = vec![[0.0; 4]; 63];
+        matrix.residual(&right, &x, &mut residual);
+        for lane in 0..4 {
+            let column = ndarray::Array1::from_iter(x.iter().map(|v| f64::from(v[lane])));
+            let expected = full.dot(&column);
+            for row in 0..63 {
+                assert!((f64::from(product[row][lane]) - expected[row]).abs() < 1e-5);
+                let difference = right[row][lane] - product[row][lane] - residual[row][lane];
+                assert!(difference.abs() < 1e-5);
+            }
+            assert!((dot[lane] - column.dot(&expected)).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn parts_do_not_depend_on_threads_and_cover_everything() {
+        assert_eq!(chunk_length(0), 1);
+        assert_eq!(chunk_length(5000), 5000);
+        for size in [8192_usize, 43_243, 163_842, 1_000_000, 5_000_000] {
+            let count = size.div_ceil(chunk_length(size));
+            assert!(count.is_power_of_two() && count <= MOST_CHUNKS);
+        }
+        let mut items = [1, 2, 3, 4, 5];
+        let parts = split_at_bounds(&mut items, [2, 2, 5].into_iter());
+        assert_eq!(parts, [&mut [1, 2][..], &mut [], &mut [3, 4, 5]]);
+    }
+}

@@ -1,0 +1,227 @@
+//! Conjugate gradients preconditioned by algebraic multigrid, in single precision.
+//!
+//! For K = M + τ L(w), whose pattern stays and whose values change from step to step: orders,
+//! clusters, patterns and maps are worked out once, a new matrix only sends its values through
+//! them, and vertices are clustered anew when convergence has suffered. Smoothed aggregation
+//! (Vaněk, Mandel and Brezina 1996) with sparse prolongations and symmetric Gauss–Seidel.
+//! Single precision is enough where the solution is an increment: it is solved for to 2e-6 of
+//! itself, and it is a fraction of the state.
+//!
+//! Crates with such solvers exist (`scirs2-sparse`, `nalgebra-sparse-linalg`, `numr`), and are
+//! general: they set up in double precision, for each matrix anew, and solve for one vector at a
+//! time. Here set-up is shared by all steps, three channels travel in one register, and memory
+//! traffic, which is what a step costs, is halved by precision; hence an own implementation.
+
+mod aggregation;
+mod coarsest;
+#[cfg(test)]
+mod examples;
+mod galerkin;
+mod hierarchy;
+mod matrix;
+mod ordering;
+mod pcg;
+mod prolongation;
+mod smoother;
+mod system;
+#[cfg(test)]
+mod tests;
+mod v_cycle;
+
+use ndarray::{Array2, ArrayView2, Axis};
+use sprs::CsMatI;
+
+use crate::error::{Error, Result};
+use crate::monitor::Stage;
+use hierarchy::Hierarchy;
+use ordering::Ordering;
+use pcg::{Iteration, Report};
+
+/// Iterations after which the clusters are taken to be unfit, and those after which new ones
+/// are, too.
+const MOST_ITERATIONS: usize = 60;
+/// Iterations beyond those right after clustering that are borne before clustering anew, both
+/// counted for a fixed gain.
+const MOST_EXTRA_ITERATIONS: f64 = 4.0;
+/// That gain: six digits.
+const GAIN: f64 = 1e-6;
+
+/// A solver for symmetric positive definite matrices of one pattern.
+pub struct Multigrid {
+    ordering: Ordering,
+    hierarchy: Hierarchy,
+    /// What the matrix was divided by.
+    scale: f64,
+    is_stale: bool,
+    /// Iterations for [`GAIN`] right after the vertices were clustered.
+    iterations_when_fresh: Option<f64>,
+    single: Option<Iteration<1>>,
+    quadruple: Option<Iteration<4>>,
+}
+
+impl Multigrid {
+    /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn analyse(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
+        let ordering = Ordering::breadth_first(lower, stage)?;
+        let matrix = system::pattern(&ordering);
+        Ok(Self {
+            ordering,
+            hierarchy: Hierarchy::unset(matrix),
+            scale: 1.0,
+            is_stale: true,
+            iterations_when_fresh: None,
+            single: None,
+            quadruple: None,
+        })
+    }
+
+    /// Takes the matrix whose lower triangle is `lower` and whose rows sum to `masses`.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
+    pub fn set_matrix(
+        &mut self,
+        lower: &CsMatI<f64, u32>,
+        masses: &[f64],
+        stage: Stage,
+    ) -> Result<()> {
+        let finest = &mut self.hierarchy.levels[0].matrix;
+        self.scale = system::refresh(finest, &self.ordering, lower, masses);
+        stage.check()?;
+        match self.is_stale {
+            true => self.coarsen(stage),
+            false => self.hierarchy.refresh(stage),
+        }
+    }
+
+    /// Solves K x = b for every row b of `right_hand_sides` (C, V), from the rows of `guess` if
+    /// given, until the error is `tolerance` times x in the energy norm.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], or [`Error::Solver`] if the iteration does not converge.
+    pub fn solve(
+        &mut self,
+        right_hand_sides: ArrayView2<f64>,
+        guess: Option<ArrayView2<f64>>,
+        tolerance: f64,
+        stage: Stage,
+    ) -> Result<Array2<f64>> {
+        let mut solutions = Array2::zeros(right_hand_sides.dim());
+        let mut guesses = guess
+            .iter()
+            .flat_map(|guess| guess.axis_chunks_iter(Axis(0), 4));
+        for (block, rows) in right_hand_sides.axis_chunks_iter(Axis(0), 4).enumerate() {
+            let first = 4 * block;
+            let problem = Problem {
+                rows,
+                guess: guesses.next(),
+                tolerance,
+                stage,
+            };
+            match rows.nrows() {
+                1 => {
+                    let mut iteration = self.single.take();
+                    let outcome = self.run(&problem, &mut iteration, &mut solutions, first);
+                    self.single = iteration;
+                    outcome?;
+                }
+                _ => {
+                    let mut iteration = self.quadruple.take();
+                    let outcome = self.run(&problem, &mut iteration, &mut solutions, first);
+                    self.quadruple = iteration;
+                    outcome?;
+                }
+            }
+        }
+        Ok(solutions)
+    }
+
+    fn run<const L: usize>(
+        &mut self,
+        problem: &Problem,
+        iteration: &mut Option<Iteration<L>>,
+        solutions: &mut Array2<f64>,
+        first: usize,
+    ) -> Result<()> {
+        let iteration = iteration.get_or_insert_with(|| Iteration::new(&self.hierarchy));
+        // Single precision has no room for lengths of any unit.
+        let largest = problem.rows.iter().fold(0.0_f64, |max, b| max.max(b.abs()));
+        if largest == 0.0 {
+            return Ok(());
+        }
+        let factor = self.scale / largest;
+        let gather = |values, factor, lanes: &mut [_]| {
+            system::gather(&self.ordering, values, factor, lanes);
+        };
+        gather(problem.rows, largest.recip(), &mut iteration.residual);
+        match problem.guess {
+            Some(guess) => gather(guess, factor, &mut iteration.solution),
+            None => iteration.solution.fill([0.0; L]),
+        }
+        let (tolerance, stage) = (problem.tolerance, problem.stage);
+        let mut report = iteration.run(&self.hierarchy, tolerance, MOST_ITERATIONS, stage)?;
+        if !report.has_converged && self.iterations_when_fresh.is_some() {
+            self.coarsen(stage)?;
+            let iteration = &mut *iteration;
+            *iteration = Iteration::new(&self.hierarchy);
+            system::gather(
+                &self.ordering,
+                problem.rows,
+                largest.recip(),
+                &mut iteration.residual,
+            );
+            report = iteration.run(&self.hierarchy, tolerance, MOST_ITERATIONS, stage)?;
+        }
+        if !report.has_converged {
+            self.is_stale = true;
+            return Err(Error::Solver(format!(
+                "no convergence in {} iterations",
+                report.iterations
+            )));
+        }
+        self.judge(report);
+        system::scatter(
+            &self.ordering,
+            &iteration.solution,
+            factor,
+            solutions,
+            first,
+        );
+        Ok(())
+    }
+
+    fn coarsen(&mut self, stage: Stage) -> Result<()> {
+        self.is_stale = true;
+        self.iterations_when_fresh = None;
+        self.hierarchy.coarsen(stage)?;
+        if let Some(iteration) = &mut self.single {
+            iteration.adapt(&self.hierarchy);
+        }
+        if let Some(iteration) = &mut self.quadruple {
+            iteration.adapt(&self.hierarchy);
+        }
+        self.is_stale = false;
+        Ok(())
+    }
+
+    /// Asks for new clusters once these have become much worse than they were.
+    fn judge(&mut self, report: Report) {
+        if report.iterations == 0 {
+            return;
+        }
+        let iterations = GAIN.ln() / report.rate.ln();
+        let fresh = *self.iterations_when_fresh.get_or_insert(iterations);
+        self.is_stale |= iterations > fresh + MOST_EXTRA_ITERATIONS;
+    }
+}
+
+/// What is asked of one block of channels.
+struct Problem<'a> {
+    rows: ArrayView2<'a, f64>,
+    guess: Option<ArrayView2<'a, f64>>,
+    tolerance: f64,
+    stage: Stage<'a>,
+}

@@ -1,0 +1,197 @@
+//! Conjugate gradients, preconditioned by V-cycles, on the functions of all lanes at once.
+//!
+//! Every lane has step lengths of its own; all stop together, once the error of their sum is
+//! small against the solution, both in the energy norm.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::monitor::Stage;
+use crate::solver::multigrid::hierarchy::Hierarchy;
+use crate::solver::multigrid::matrix::{Lanes, add_products, chunk_length, sum};
+use crate::solver::multigrid::v_cycle::Workspace;
+
+/// The vectors of an iteration.
+pub(super) struct Iteration<const L: usize> {
+    /// The guess before, the solution after.
+    pub solution: Vec<Lanes<L>>,
+    /// The right-hand side before, the residual after.
+    pub residual: Vec<Lanes<L>>,
+    search: Vec<Lanes<L>>,
+    image: Vec<Lanes<L>>,
+    preconditioned: Vec<Lanes<L>>,
+    workspace: Workspace<L>,
+}
+
+/// How an iteration went.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Report {
+    pub has_converged: bool,
+    pub iterations: usize,
+    /// Factor by which the error fell in one of them, on average.
+    pub rate: f64,
+}
+
+impl<const L: usize> Iteration<L> {
+    /// For systems of this hierarchy.
+    pub fn new(hierarchy: &Hierarchy) -> Self {
+        let zeros = || vec![[0.0; L]; hierarchy.levels[0].matrix.size()];
+        Self {
+            solution: zeros(),
+            residual: zeros(),
+            search: zeros(),
+            image: zeros(),
+            preconditioned: zeros(),
+            workspace: Workspace::new(hierarchy),
+        }
+    }
+
+    /// Makes room for the levels of a hierarchy that was coarsened anew.
+    pub fn adapt(&mut self, hierarchy: &Hierarchy) {
+        self.workspace = Workspace::new(hierarchy);
+    }
+
+    /// Improves `solution` until its error is `tolerance` times itself in the energy norm, or
+    /// for `most` iterations.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn run(
+        &mut self,
+        hierarchy: &Hierarchy,
+        tolerance: f64,
+        most: usize,
+        stage: Stage,
+    ) -> Result<Report> {
+        let matrix = &hierarchy.levels[0].matrix;
+        let mut size = self.start(hierarchy);
+        let mut energy = self
+            .workspace
+            .cycle(hierarchy, &self.residual, &mut self.preconditioned);
+        self.search.copy_from_slice(&self.preconditioned);
+        let start = total(energy);
+        let mut report = Report {
+            has_converged: false,
+            iterations: 0,
+            rate: 0.0,
+        };
+        loop {
+            let now = total(energy);
+            if report.iterations > 0 {
+                report.rate = (now / start).powf(0.5 / report.iterations as f64);
+            }
+            report.has_converged = now <= tolerance * tolerance * size || now == 0.0;
+            if report.has_converged || report.iterations == most || !now.is_finite() {
+                return Ok(report);
+            }
+            stage.check()?;
+            let curvature = matrix.apply(&self.search, &mut self.image);
+            if (0..L).any(|lane| energy[lane] > 0.0 && curvature[lane] <= 0.0) {
+                return Ok(report);
+            }
+            let lengths = ratios(energy, curvature);
+            size += (0..L)
+                .map(|lane| f64::from(lengths[lane]) * energy[lane])
+                .sum::<f64>();
+            self.advance(lengths);
+            let next = self
+                .workspace
+                .cycle(hierarchy, &self.residual, &mut self.preconditioned);
+            self.turn(ratios(next, energy));
+            energy = next;
+            report.iterations += 1;
+        }
+    }
+
+    /// r ← b − K x₀; returns |x|² − |x − x₀|² = x₀·(b + r), to which iterations add what they
+    /// take from |x − x₀|². A guess that is worse than none is dropped.
+    fn start(&mut self, hierarchy: &Hierarchy) -> f64 {
+        let chunk = chunk_length(self.solution.len());
+        let quadratic = hierarchy.levels[0]
+            .matrix
+            .apply(&self.solution, &mut self.image);
+        let chunks = self
+            .solution
+            .par_chunks(chunk)
+            .zip(self.residual.par_chunks(chunk));
+        let linear = chunks.with_max_len(1).map(|(solution, right_hand_side)| {
+            let mut dot = [0.0; L];
+            for (solution, right_hand_side) in solution.iter().zip(right_hand_side) {
+                add_products(&mut dot, solution, right_hand_side);
+            }
+            dot
+        });
+        let linear = sum(&linear.collect::<Vec<_>>());
+        let size = 2.0 * total(linear) - total(quadratic);
+        if size <= 0.0 {
+            self.solution.fill([0.0; L]);
+            return 0.0;
+        }
+        let chunks = self
+            .residual
+            .par_chunks_mut(chunk)
+            .zip(self.image.par_chunks(chunk));
+        chunks.with_max_len(1).for_each(|(residual, image)| {
+            for (residual, image) in residual.iter_mut().zip(image) {
+                for lane in 0..L {
+                    residual[lane] -= image[lane];
+                }
+            }
+        });
+        size
+    }
+
+    /// x ← x + α p, r ← r − α K p.
+    fn advance(&mut self, lengths: Lanes<L>) {
+        let chunk = chunk_length(self.solution.len());
+        let solution = self
+            .solution
+            .par_chunks_mut(chunk)
+            .zip(self.search.par_chunks(chunk));
+        let residual = self
+            .residual
+            .par_chunks_mut(chunk)
+            .zip(self.image.par_chunks(chunk));
+        let chunks = solution.zip(residual).with_max_len(1);
+        chunks.for_each(|((solution, search), (residual, image))| {
+            for (solution, search) in solution.iter_mut().zip(search) {
+                for lane in 0..L {
+                    solution[lane] += lengths[lane] * search[lane];
+                }
+            }
+            for (residual, image) in residual.iter_mut().zip(image) {
+                for lane in 0..L {
+                    residual[lane] -= lengths[lane] * image[lane];
+                }
+            }
+        });
+    }
+
+    /// p ← z + β p.
+    fn turn(&mut self, ratios: Lanes<L>) {
+        let chunk = chunk_length(self.search.len());
+        let chunks = self.search.par_chunks_mut(chunk);
+        let chunks = chunks
+            .zip(self.preconditioned.par_chunks(chunk))
+            .with_max_len(1);
+        chunks.for_each(|(search, preconditioned)| {
+            for (search, preconditioned) in search.iter_mut().zip(preconditioned) {
+                for lane in 0..L {
+                    search[lane] = preconditioned[lane] + ratios[lane] * search[lane];
+                }
+            }
+        });
+    }
+}
+
+fn total<const L: usize>(lanes: [f64; L]) -> f64 {
+    lanes.iter().sum()
+}
+
+/// a/b, and 0 where b is: lanes of zeros stay as they are.
+fn ratios<const L: usize>(a: [f64; L], b: [f64; L]) -> Lanes<L> {
+    std::array::from_fn(|lane| match b[lane] > 0.0 {
+        true => (a[lane] / b[lane]) as f32,
+        false => 0.0,
+    })
+}

@@ -1,0 +1,170 @@
+//! Gauss–Seidel sweeps, in parts that threads work on side by side.
+//!
+//! Within a part values are taken as soon as they are known, across parts as they were before
+//! the sweep. The diagonals of rows with couplings across are enlarged by half the sum of these
+//! (Baker, Falgout, Kolev and Yang 2011, "Multigrid smoothers for ultraparallel computing"), so
+//! that a sweep never raises the energy, whatever the signs of the couplings.
+
+use rayon::prelude::*;
+
+use crate::solver::multigrid::matrix::{Lanes, Matrix, accumulate, add_products, sum};
+use crate::solver::multigrid::prolongation::Prolongation;
+
+/// The reciprocals of the diagonals that sweeps divide by.
+pub(super) struct Smoother {
+    inverse: Vec<f32>,
+}
+
+impl Smoother {
+    /// A smoother for matrices of `size` rows; to be refreshed.
+    pub fn new(size: usize) -> Self {
+        Self {
+            inverse: vec![0.0; size],
+        }
+    }
+
+    /// Takes the values of `matrix`; returns whether all its diagonals are positive.
+    pub fn refresh(&mut self, matrix: &Matrix) -> bool {
+        let chunk = matrix.chunk();
+        let chunks = self.inverse.par_chunks_mut(chunk).enumerate();
+        let are_positive = chunks.with_max_len(1).map(|(part, inverse)| {
+            let first = part * chunk;
+            let own = first as u32..(first + inverse.len()) as u32;
+            let mut is_positive = true;
+            for (offset, value) in inverse.iter_mut().enumerate() {
+                let row = first + offset;
+                let mut diagonal = matrix.masses[row];
+                for octet in matrix.row(row) {
+                    for (column, coupling) in octet.columns.iter().zip(octet.couplings) {
+                        let across = if own.contains(column) { 0.0 } else { 0.5 };
+                        diagonal += coupling + across * coupling.abs();
+                    }
+                }
+                *value = diagonal.recip();
+                is_positive &= diagonal > 0.0 && value.is_finite();
+            }
+            is_positive
+        });
+        are_positive.reduce(|| true, |a, b| a && b)
+    }
+
+    /// `x` ← one sweep upwards from 0 on K x = b.
+    pub fn forward<const L: usize>(
+        &self,
+        matrix: &Matrix,
+        right_hand_side: &[Lanes<L>],
+        x: &mut [Lanes<L>],
+    ) {
+        let chunk = matrix.chunk();
+        let chunks = x.par_chunks_mut(chunk).enumerate().with_max_len(1);
+        chunks.for_each(|(part, x)| {
+            let first = part * chunk;
+            x.fill([0.0; L]);
+            for offset in 0..x.len() {
+                let row = first + offset;
+                let mut value = right_hand_side[row];
+                for octet in matrix.row(row) {
+                    for (column, coupling) in octet.columns.iter().zip(octet.couplings) {
+                        // Values not yet known and those of other parts are 0.
+                        if let Some(other) = x.get((*column as usize).wrapping_sub(first)) {
+                            for lane in 0..L {
+                                value[lane] += coupling * other[lane];
+                            }
+                        }
+                    }
+                }
+                x[offset] = value.map(|value| self.inverse[row] * value);
+            }
+        });
+    }
+
+    /// `x` ← `start` + P e, e given by `coarse` if at all, and from there one sweep downwards on
+    /// K x = b; returns b·x of every lane.
+    pub fn backward<const L: usize>(
+        &self,
+        matrix: &Matrix,
+        right_hand_side: &[Lanes<L>],
+        start: &[Lanes<L>],
+        coarse: Option<(&Prolongation, &[Lanes<L>])>,
+        x: &mut [Lanes<L>],
+    ) -> [f64; L] {
+        let corrected = |row: usize| match coarse {
+            Some((prolongation, coarse)) => prolongation.add_to(start[row], row, coarse),
+            None => start[row],
+        };
+        let chunk = matrix.chunk();
+        let chunks = x.par_chunks_mut(chunk).enumerate().with_max_len(1);
+        let dots = chunks.map(|(part, x)| {
+            let first = part * chunk;
+            for (offset, value) in x.iter_mut().enumerate() {
+                *value = corrected(first + offset);
+            }
+            let mut dot = [0.0; L];
+            for offset in (0..x.len()).rev() {
+                let row = first + offset;
+                let own = x[offset];
+                let mass = matrix.masses[row];
+                let mut value: Lanes<L> =
+                    std::array::from_fn(|lane| right_hand_side[row][lane] - mass * own[lane]);
+                for octet in matrix.row(row) {
+                    for (entry, column) in octet.columns.iter().enumerate() {
+                        match x.get((*column as usize).wrapping_sub(first)) {
+                            Some(other) => accumulate(&mut value, octet, entry, other, &own),
+                            None => {
+                                let other = corrected(*column as usize);
+                                accumulate(&mut value, octet, entry, &other, &own);
+                            }
+                        }
+                    }
+                }
+                let inverse = self.inverse[row];
+                x[offset] = std::array::from_fn(|lane| own[lane] + inverse * value[lane]);
+                add_products(&mut dot, &right_hand_side[row], &x[offset]);
+            }
+            dot
+        });
+        sum(&dots.collect::<Vec<_>>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::multigrid::examples::{hierarchy_of, lattice, random};
+
+    /// x ↦ one sweep up and one down from 0, the symmetric smoother.
+    fn symmetric(smoother: &Smoother, matrix: &Matrix, b: &[Lanes<1>]) -> Vec<Lanes<1>> {
+        let (mut up, mut down) = (vec![[0.0]; b.len()], vec![[0.0]; b.len()]);
+        smoother.forward(matrix, b, &mut up);
+        smoother.backward(matrix, b, &up, None, &mut down);
+        down
+    }
+
+    #[test]
+    fn sweeps_up_and_down_are_symmetric_and_lower_the_energy() {
+        // Large enough for several parts.
+        let (lower, masses) = lattice(130, 140, 1e-3);
+        let hierarchy = hierarchy_of(&lower, &masses);
+        let matrix = &hierarchy.levels[0].matrix;
+        assert!(matrix.size() > matrix.chunk());
+        let smoother = &hierarchy.levels[0].smoother;
+        let (a, b) = (random::<1>(matrix.size(), 3), random::<1>(matrix.size(), 4));
+        let dot = |x: &[Lanes<1>], y: &[Lanes<1>]| {
+            let products = x
+                .iter()
+                .zip(y)
+                .map(|(x, y)| f64::from(x[0]) * f64::from(y[0]));
+            products.sum::<f64>()
+        };
+        let (sa, sb) = (
+            symmetric(smoother, matrix, &a),
+            symmetric(smoother, matrix, &b),
+        );
+        let (first, second) = (dot(&sa, &b), dot(&a, &sb));
+        assert!((first - second).abs() < 1e-4 * dot(&sa, &a));
+        // ½xKx − bx at x = S b is below its value at 0, 0.
+        let mut image = vec![[0.0]; matrix.size()];
+        let quadratic = matrix.apply(&sb, &mut image)[0];
+        assert!(0.5 * quadratic < dot(&b, &sb));
+    }
+}

@@ -1,0 +1,91 @@
+//! Between a system as its owner has it and as the levels do: other order, other precision.
+
+use ndarray::{Array2, ArrayView2};
+use rayon::prelude::*;
+use sprs::CsMatI;
+
+use crate::solver::multigrid::matrix::{Lanes, Matrix, chunk_length, split_at_bounds};
+use crate::solver::multigrid::ordering::Ordering;
+
+/// The finest matrix, without values.
+pub(super) fn pattern(ordering: &Ordering) -> Matrix {
+    let bounds = ordering.starts.windows(2);
+    Matrix::with_pattern(
+        bounds.map(|bound| &ordering.neighbours[bound[0] as usize..bound[1] as usize]),
+    )
+}
+
+/// Takes the values of the matrix with the lower triangle `lower` and the row sums `masses`, all
+/// divided by the mean mass, which is returned: single precision then has room to both sides.
+pub(super) fn refresh(
+    matrix: &mut Matrix,
+    ordering: &Ordering,
+    lower: &CsMatI<f64, u32>,
+    masses: &[f64],
+) -> f64 {
+    let scale = masses.iter().sum::<f64>() / masses.len() as f64;
+    let (size, chunk, starts) = (matrix.size(), matrix.chunk(), &matrix.starts);
+    let ends = (1..=size.div_ceil(chunk)).map(|part| (part * chunk).min(size));
+    let parts = split_at_bounds(&mut matrix.octets, ends.map(|row| starts[row] as usize));
+    let parts = parts
+        .into_par_iter()
+        .zip(matrix.masses.par_chunks_mut(chunk));
+    let values = lower.data();
+    parts
+        .enumerate()
+        .with_max_len(1)
+        .for_each(|(part, (octets, row_sums))| {
+            let first = part * chunk;
+            for (offset, row_sum) in row_sums.iter_mut().enumerate() {
+                let row = first + offset;
+                *row_sum = (masses[ordering.order[row] as usize] / scale) as f32;
+                let octets = &mut octets[(starts[row] - starts[first]) as usize..];
+                let entries = ordering.starts[row] as usize..ordering.starts[row + 1] as usize;
+                for (octet, entries) in octets.iter_mut().zip(ordering.entries[entries].chunks(8)) {
+                    for (coupling, entry) in octet.couplings.iter_mut().zip(entries) {
+                        *coupling = (-values[*entry as usize] / scale) as f32;
+                    }
+                }
+            }
+        });
+    scale
+}
+
+/// `lanes` ← the channels of `values` (at most L, V) in the order of the levels, times `factor`;
+/// lanes beyond them are 0.
+pub(super) fn gather<const L: usize>(
+    ordering: &Ordering,
+    values: ArrayView2<f64>,
+    factor: f64,
+    lanes: &mut [Lanes<L>],
+) {
+    let channels: Vec<_> = values.rows().into_iter().collect();
+    let chunk = chunk_length(lanes.len());
+    let chunks = lanes
+        .par_chunks_mut(chunk)
+        .zip(ordering.order.par_chunks(chunk));
+    chunks.with_max_len(1).for_each(|(lanes, order)| {
+        for (lanes, &vertex) in lanes.iter_mut().zip(order) {
+            *lanes = [0.0; L];
+            for (lane, channel) in lanes.iter_mut().zip(&channels) {
+                *lane = (factor * channel[vertex as usize]) as f32;
+            }
+        }
+    });
+}
+
+/// The reverse of [`gather`]: `lanes` over `factor`, as rows `first` and following of `values`.
+pub(super) fn scatter<const L: usize>(
+    ordering: &Ordering,
+    lanes: &[Lanes<L>],
+    factor: f64,
+    values: &mut Array2<f64>,
+    first: usize,
+) {
+    let rows = values.outer_iter_mut().skip(first).take(L).enumerate();
+    for (lane, mut row) in rows {
+        for (lanes, &vertex) in lanes.iter().zip(&ordering.order) {
+            row[vertex as usize] = f64::from(lanes[lane]) / factor;
+        }
+    }
+}

@@ -1,0 +1,149 @@
+"""Multigrid gives what the factorization gives, on every kind of mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import spectral_tv
+from shapes import bumpy_sphere, cylinder_open, dumbbell, grid, icosphere, torus
+from test_soups import KINDS, soup
+
+
+def joined(*meshes):
+    """Several meshes as one, side by side."""
+    vertices, triangles, count = [], [], 0
+    for number, (points, faces) in enumerate(meshes):
+        vertices.append(points + np.array([4.0 * number, 0, 0]))
+        triangles.append(faces + count)
+        count += len(points)
+    return np.vstack(vertices), np.vstack(triangles)
+
+
+def irregular():
+    """A sphere of 6000 random points, its triangles of every shape and most angles obtuse."""
+    rng = np.random.default_rng(0)
+    vertices, triangles = icosphere(5)
+    vertices = vertices + 0.4 * rng.normal(size=vertices.shape) / np.sqrt(len(vertices))
+    return vertices * [1.0, 0.2, 3.0], triangles
+
+
+def non_manifold():
+    """Two walls that stand on the middle line of a grid, and vertices in no triangle."""
+    points, faces = grid(61, 61)
+    points[:, 2] = 0.1 * np.sin(5 * points[:, 0]) * np.cos(4 * points[:, 1])
+    line = np.arange(30 * 61, 31 * 61)
+    count = len(points)
+    vertices, triangles = [points], [faces]
+    for lift in (0.2, -0.13):
+        wall = points[line] + [0.3 * lift, 0.0, lift]
+        new = count + np.arange(61)
+        a, b, c, d = line[:-1], line[1:], new[1:], new[:-1]
+        vertices.append(wall)
+        triangles.append(np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3))
+        count += 61
+    vertices.append(np.full((3, 3), 2.0))
+    return np.vstack(vertices), np.vstack(triangles)
+
+
+def shuffled():
+    """Vertices and triangles in random order."""
+    rng = np.random.default_rng(0)
+    vertices, triangles = bumpy_sphere(5)
+    order = rng.permutation(len(vertices))
+    places = np.argsort(order)
+    return vertices[order], places[triangles][rng.permutation(len(triangles))]
+
+
+def needles():
+    """A grid squeezed until its triangles are mollified, bent so that it is a shape."""
+    points, faces = grid(40, 40)
+    x, y, _ = points.T
+    return np.stack([x**8, y, 0.1 * np.sin(9 * x) * np.cos(7 * y)], axis=1), faces
+
+
+MESHES = {
+    "regular": bumpy_sphere(5),
+    "irregular": irregular(),
+    "open": cylinder_open(n_around=96, n_along=48),
+    "neck": dumbbell(),
+    "non-manifold": non_manifold(),
+    "components": joined(torus(1.0, 0.3, 60, 30), bumpy_sphere(4), icosphere(0), grid(2, 2)),
+    "shuffled": shuffled(),
+    "needles": needles(),
+}
+
+
+def size_of(values):
+    return np.ptp(values, axis=0).max()
+
+
+@pytest.mark.parametrize("kind", MESHES)
+@pytest.mark.parametrize("scheme", ["lagged", "extrapolated"])
+@pytest.mark.parametrize("method", ["m1", "m2", "m3", "heat", "naive"])
+def test_multigrid_equals_cholesky(kind, scheme, method):
+    vertices, triangles = MESHES[kind]
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    first, last = spectral_tv.default_scales(method)
+    times = np.append(0, np.geomspace(first, 3 * last, 12) * mesh.area)
+    base = None
+    if method == "m3":
+        base = spectral_tv.conformal_flow(mesh, 5e-3 * mesh.area, solver="cholesky")
+        smooth = spectral_tv.conformal_flow(mesh, 5e-3 * mesh.area, solver="multigrid")
+        np.testing.assert_allclose(smooth, base, atol=1e-6 * size_of(vertices))
+    splits = [
+        spectral_tv.decompose(mesh, method, times=times, scheme=scheme, base=base, solver=solver)
+        for solver in ("cholesky", "multigrid")
+    ]
+    # Scalar flows that extrapolate magnify any perturbation: one of 1e-8 in the values grows to
+    # 1e-5 and more within these steps, whatever the solver.
+    is_sensitive = scheme == "extrapolated" and method in ("m3", "naive")
+    steps = 4 if is_sensitive else len(times)
+    states = [split.flow.states[:steps] for split in splits]
+    assert np.abs(states[0] - states[1]).max() <= 1e-6 * size_of(vertices)
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 4, 5, 9])
+def test_any_number_of_channels(channels):
+    vertices, triangles = bumpy_sphere(4)
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    values = np.stack([np.sin((k + 1) * vertices[:, k % 3]) for k in range(channels)], axis=1)
+    times = [0, 1e-3, 4e-3, 2e-2, 1e-1]
+    one, other = (
+        spectral_tv.flow(mesh, values, times, solver=solver).states
+        for solver in ("cholesky", "multigrid")
+    )
+    np.testing.assert_allclose(other, one, atol=1e-6 * size_of(values))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_soups(kind):
+    """Nearly singular systems too: what does not converge is factorized."""
+    rng = np.random.default_rng(1)
+    for _ in range(8):
+        vertices, triangles = soup(kind, rng)
+        try:
+            mesh = spectral_tv.Mesh(vertices, triangles)
+        except spectral_tv.MeshError:
+            continue
+        for method in ("m1", "heat", "naive"):
+            states = [
+                spectral_tv.decompose(
+                    mesh, method, steps=6, scheme="lagged", solver=solver
+                ).flow.states
+                for solver in ("cholesky", "multigrid")
+            ]
+            size = size_of(vertices[np.unique(triangles)])
+            np.testing.assert_allclose(states[1], states[0], atol=1e-6 * size)
+
+
+def test_units_make_no_difference():
+    vertices, triangles = bumpy_sphere(4)
+    flows = [
+        spectral_tv.decompose(
+            spectral_tv.Mesh(scale * vertices, triangles), "m1", solver="multigrid"
+        ).flow.states
+        / scale
+        for scale in (1.0, 1e-12, 1e12)
+    ]
+    for flow in flows[1:]:
+        np.testing.assert_allclose(flow, flows[0], atol=1e-6)
