@@ -9,9 +9,9 @@ use crate::solver::multigrid::matrix::Matrix;
 use crate::solver::multigrid::prolongation::Prolongation;
 use crate::solver::multigrid::smoother::Smoother;
 
-/// Couplings below this fraction of the diagonals are not followed when vertices are clustered.
-/// Half as much on every further level, where rows have more of them.
-const STRENGTH: f32 = 0.15;
+/// Couplings below this fraction of the largest are not followed when vertices are clustered;
+/// half as much on every further level, where rows have more of them.
+const STRENGTH: f32 = 0.25;
 
 /// A matrix, how its error is smoothed, and the way to the next level.
 pub(super) struct Level {

@@ -118,17 +118,26 @@ impl Matrix {
     /// `product` ← K x; returns x·K x of every lane.
     pub fn apply<const L: usize>(&self, x: &[Lanes<L>], product: &mut [Lanes<L>]) -> [f64; L] {
         let chunk = self.chunk();
-        let dots = product.par_chunks_mut(chunk).enumerate().with_max_len(1);
-        let dots = dots.map(|(part, product)| {
-            let mut dot = [0.0; L];
-            for (offset, value) in product.iter_mut().enumerate() {
-                let row = part * chunk + offset;
-                *value = self.descent(row, x).map(|value| -value);
-                add_products(&mut dot, &x[row], value);
-            }
-            dot
-        });
+        let chunks = product.par_chunks_mut(chunk).enumerate().with_max_len(1);
+        let dots = chunks.map(|(part, product)| self.apply_rows(part * chunk, x, product));
         sum(&dots.collect::<Vec<_>>())
+    }
+
+    /// [`Self::apply`] to the rows from `first` on.
+    #[inline(never)]
+    fn apply_rows<const L: usize>(
+        &self,
+        first: usize,
+        x: &[Lanes<L>],
+        product: &mut [Lanes<L>],
+    ) -> [f64; L] {
+        let mut dot = Dot::default();
+        for (offset, value) in product.iter_mut().enumerate() {
+            let row = first + offset;
+            *value = self.descent(row, x).map(|value| -value);
+            dot.add(&x[row], value);
+        }
+        dot.finish()
     }
 
     /// `residual` ← b − K x.
@@ -141,12 +150,24 @@ impl Matrix {
         let chunk = self.chunk();
         let chunks = residual.par_chunks_mut(chunk).enumerate().with_max_len(1);
         chunks.for_each(|(part, residual)| {
-            for (offset, value) in residual.iter_mut().enumerate() {
-                let row = part * chunk + offset;
-                let (descent, right) = (self.descent(row, x), &right_hand_side[row]);
-                *value = std::array::from_fn(|lane| right[lane] + descent[lane]);
-            }
+            self.residual_rows(part * chunk, right_hand_side, x, residual);
         });
+    }
+
+    /// [`Self::residual`] in the rows from `first` on.
+    #[inline(never)]
+    fn residual_rows<const L: usize>(
+        &self,
+        first: usize,
+        right_hand_side: &[Lanes<L>],
+        x: &[Lanes<L>],
+        residual: &mut [Lanes<L>],
+    ) {
+        for (offset, value) in residual.iter_mut().enumerate() {
+            let row = first + offset;
+            let (descent, right) = (self.descent(row, x), &right_hand_side[row]);
+            *value = std::array::from_fn(|lane| right[lane] + descent[lane]);
+        }
     }
 }
 
@@ -163,11 +184,49 @@ pub(super) fn accumulate<const L: usize>(
     }
 }
 
-/// `sum` += a b, lane by lane, in double precision.
-#[inline(always)]
-pub(super) fn add_products<const L: usize>(sum: &mut [f64; L], a: &Lanes<L>, b: &Lanes<L>) {
-    for lane in 0..L {
-        sum[lane] += f64::from(a[lane]) * f64::from(b[lane]);
+/// A sum of products, lane by lane: of a few rows in single precision, of all in double.
+pub(super) struct Dot<const L: usize> {
+    few: Lanes<L>,
+    all: [f64; L],
+    count: u32,
+}
+
+impl<const L: usize> Default for Dot<L> {
+    fn default() -> Self {
+        Self {
+            few: [0.0; L],
+            all: [0.0; L],
+            count: 0,
+        }
+    }
+}
+
+impl<const L: usize> Dot<L> {
+    /// Adds a b.
+    #[inline(always)]
+    pub fn add(&mut self, a: &Lanes<L>, b: &Lanes<L>) {
+        for lane in 0..L {
+            self.few[lane] += a[lane] * b[lane];
+        }
+        self.count += 1;
+        if self.count == 16 {
+            self.flush();
+        }
+    }
+
+    /// The sum.
+    pub fn finish(mut self) -> [f64; L] {
+        self.flush();
+        self.all
+    }
+
+    #[inline(never)]
+    fn flush(&mut self) {
+        for lane in 0..L {
+            self.all[lane] += f64::from(self.few[lane]);
+        }
+        self.few = [0.0; L];
+        self.count = 0;
     }
 }
 

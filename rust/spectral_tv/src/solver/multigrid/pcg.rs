@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::solver::multigrid::hierarchy::Hierarchy;
-use crate::solver::multigrid::matrix::{Lanes, add_products, chunk_length, sum};
+use crate::solver::multigrid::matrix::{Dot, Lanes, chunk_length, sum};
 use crate::solver::multigrid::v_cycle::Workspace;
 
 /// The vectors of an iteration.
@@ -115,11 +115,11 @@ impl<const L: usize> Iteration<L> {
             .par_chunks(chunk)
             .zip(self.residual.par_chunks(chunk));
         let linear = chunks.with_max_len(1).map(|(solution, right_hand_side)| {
-            let mut dot = [0.0; L];
+            let mut dot = Dot::default();
             for (solution, right_hand_side) in solution.iter().zip(right_hand_side) {
-                add_products(&mut dot, solution, right_hand_side);
+                dot.add(solution, right_hand_side);
             }
-            dot
+            dot.finish()
         });
         let linear = sum(&linear.collect::<Vec<_>>());
         let size = 2.0 * total(linear) - total(quadratic);

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::solver::multigrid::matrix::{Lanes, Matrix, accumulate, add_products, sum};
+use crate::solver::multigrid::matrix::{Dot, Lanes, Matrix, accumulate, sum};
 use crate::solver::multigrid::prolongation::Prolongation;
 
 /// The reciprocals of the diagonals that sweeps divide by.
@@ -57,25 +57,34 @@ impl Smoother {
     ) {
         let chunk = matrix.chunk();
         let chunks = x.par_chunks_mut(chunk).enumerate().with_max_len(1);
-        chunks.for_each(|(part, x)| {
-            let first = part * chunk;
-            x.fill([0.0; L]);
-            for offset in 0..x.len() {
-                let row = first + offset;
-                let mut value = right_hand_side[row];
-                for octet in matrix.row(row) {
-                    for (column, coupling) in octet.columns.iter().zip(octet.couplings) {
-                        // Values not yet known and those of other parts are 0.
-                        if let Some(other) = x.get((*column as usize).wrapping_sub(first)) {
-                            for lane in 0..L {
-                                value[lane] += coupling * other[lane];
-                            }
+        chunks.for_each(|(part, x)| self.forward_rows(matrix, part * chunk, right_hand_side, x));
+    }
+
+    /// [`Self::forward`] in the part of the rows that begins with `first`.
+    #[inline(never)]
+    fn forward_rows<const L: usize>(
+        &self,
+        matrix: &Matrix,
+        first: usize,
+        right_hand_side: &[Lanes<L>],
+        x: &mut [Lanes<L>],
+    ) {
+        x.fill([0.0; L]);
+        for offset in 0..x.len() {
+            let row = first + offset;
+            let mut value = right_hand_side[row];
+            for octet in matrix.row(row) {
+                for (column, coupling) in octet.columns.iter().zip(octet.couplings) {
+                    // Values not yet known and those of other parts are 0.
+                    if let Some(other) = x.get((*column as usize).wrapping_sub(first)) {
+                        for lane in 0..L {
+                            value[lane] += coupling * other[lane];
                         }
                     }
                 }
-                x[offset] = value.map(|value| self.inverse[row] * value);
             }
-        });
+            x[offset] = value.map(|value| self.inverse[row] * value);
+        }
     }
 
     /// `x` ← `start` + P e, e given by `coarse` if at all, and from there one sweep downwards on
@@ -99,32 +108,52 @@ impl Smoother {
             for (offset, value) in x.iter_mut().enumerate() {
                 *value = corrected(first + offset);
             }
-            let mut dot = [0.0; L];
-            for offset in (0..x.len()).rev() {
-                let row = first + offset;
-                let own = x[offset];
-                let mass = matrix.masses[row];
-                let mut value: Lanes<L> =
-                    std::array::from_fn(|lane| right_hand_side[row][lane] - mass * own[lane]);
-                for octet in matrix.row(row) {
-                    for (entry, column) in octet.columns.iter().enumerate() {
-                        match x.get((*column as usize).wrapping_sub(first)) {
-                            Some(other) => accumulate(&mut value, octet, entry, other, &own),
-                            None => {
-                                let other = corrected(*column as usize);
-                                accumulate(&mut value, octet, entry, &other, &own);
-                            }
-                        }
-                    }
-                }
-                let inverse = self.inverse[row];
-                x[offset] = std::array::from_fn(|lane| own[lane] + inverse * value[lane]);
-                add_products(&mut dot, &right_hand_side[row], &x[offset]);
-            }
-            dot
+            self.backward_rows(matrix, first, right_hand_side, &corrected, x)
         });
         sum(&dots.collect::<Vec<_>>())
     }
+
+    /// [`Self::backward`] in the part of the rows that begins with `first`, from `x` there and
+    /// from `old` elsewhere.
+    #[inline(never)]
+    fn backward_rows<const L: usize>(
+        &self,
+        matrix: &Matrix,
+        first: usize,
+        right_hand_side: &[Lanes<L>],
+        old: &impl Fn(usize) -> Lanes<L>,
+        x: &mut [Lanes<L>],
+    ) -> [f64; L] {
+        let mut dot = Dot::default();
+        for offset in (0..x.len()).rev() {
+            let row = first + offset;
+            let (own, mass) = (x[offset], matrix.masses[row]);
+            let mut value: Lanes<L> =
+                std::array::from_fn(|lane| right_hand_side[row][lane] - mass * own[lane]);
+            for octet in matrix.row(row) {
+                for (entry, column) in octet.columns.iter().enumerate() {
+                    match x.get((*column as usize).wrapping_sub(first)) {
+                        Some(other) => accumulate(&mut value, octet, entry, other, &own),
+                        None => {
+                            let other = elsewhere(old, *column);
+                            accumulate(&mut value, octet, entry, &other, &own);
+                        }
+                    }
+                }
+            }
+            let inverse = self.inverse[row];
+            x[offset] = std::array::from_fn(|lane| own[lane] + inverse * value[lane]);
+            dot.add(&right_hand_side[row], &x[offset]);
+        }
+        dot.finish()
+    }
+}
+
+/// Out of the way of the loop, whose neighbours are nearly all in the part at hand.
+#[cold]
+#[inline(never)]
+fn elsewhere<const L: usize>(old: &impl Fn(usize) -> Lanes<L>, column: u32) -> Lanes<L> {
+    old(column as usize)
 }
 
 #[cfg(test)]

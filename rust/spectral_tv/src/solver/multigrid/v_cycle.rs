@@ -1,7 +1,7 @@
 //! One V-cycle, symmetric: a sweep up, the coarser level's correction, a sweep down.
 
 use crate::solver::multigrid::hierarchy::Hierarchy;
-use crate::solver::multigrid::matrix::{Lanes, add_products};
+use crate::solver::multigrid::matrix::{Dot, Lanes};
 
 /// The vectors of one level that a cycle works in.
 struct Vectors<const L: usize> {
@@ -55,11 +55,11 @@ fn descend<const L: usize>(
     let Some(coarsening) = &level.coarsening else {
         if let Some(coarsest) = &hierarchy.coarsest {
             coarsest.solve(right_hand_side, solution);
-            let mut dot = [0.0; L];
+            let mut dot = Dot::default();
             for (a, b) in right_hand_side.iter().zip(solution.iter()) {
-                add_products(&mut dot, a, b);
+                dot.add(a, b);
             }
-            return dot;
+            return dot.finish();
         }
         let (matrix, smoother) = (&level.matrix, &level.smoother);
         smoother.forward(matrix, right_hand_side, &mut own.smoothed);
