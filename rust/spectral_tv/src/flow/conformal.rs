@@ -58,6 +58,10 @@ impl Law for ConformalLaplace {
         self.exponent == 0
     }
 
+    fn moves_masses(&self) -> bool {
+        true
+    }
+
     fn masses(&self, values: ArrayView2<f64>) -> Option<Vec<f64>> {
         let face_areas: Vec<f64> = self
             .triangles

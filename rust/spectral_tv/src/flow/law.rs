@@ -19,6 +19,11 @@ pub trait Law: Sync {
         false
     }
 
+    /// Whether the masses are not those of g₀.
+    fn moves_masses(&self) -> bool {
+        false
+    }
+
     /// The vertex masses at the state `values` (C, V), where they are not those of g₀.
     fn masses(&self, _values: ArrayView2<f64>) -> Option<Vec<f64>> {
         None

@@ -5,8 +5,10 @@
 
 mod conformal;
 mod duality_gap;
+mod force;
 mod heat;
 mod law;
+mod line;
 mod prediction;
 mod proximal;
 mod proximal_newton;

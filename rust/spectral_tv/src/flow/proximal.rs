@@ -8,7 +8,7 @@ use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::{Recorder, Solution, Trajectory};
 use crate::minimization::check_tolerance;
 use crate::monitor::Stage;
-use crate::operators::Discretization;
+use crate::operators::{Discretization, total_variation};
 
 /// Runs the TV flow, all channels of `initial` (C, V) coupled, by backward Euler steps
 /// u⁺ = argmin ½‖u − u_k‖²_M + Δt TV(u), each to a duality gap of `tolerance` relative to
@@ -42,7 +42,8 @@ pub fn proximal_flow(
             },
             false => newton.solve(&step, record.last_total_variation(), tolerance, stage)?,
         };
-        record.push(&solution);
+        let variation = total_variation(operators.gradient(), solution.state.view());
+        record.push(&solution, variation);
     }
     stage.report(1.0)?;
     Ok(record.finish())

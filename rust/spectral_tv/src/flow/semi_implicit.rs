@@ -3,14 +3,15 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::Result;
-use crate::flow::duality_gap::duality_gap;
+use crate::flow::force::{Force, variation};
 use crate::flow::law::Law;
+use crate::flow::line::Line;
 use crate::flow::prediction::{predicted_gradients, predicted_increment, predicted_masses};
 use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::{Recorder, Solution, Trajectory};
-use crate::minimization::Energy;
+use crate::minimization::least_along;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, element_stiffness};
+use crate::operators::Discretization;
 use crate::solver::{LinearSolver, Solver};
 
 /// Where a semi-implicit step takes its weights.
@@ -46,15 +47,27 @@ pub fn semi_implicit_flow(
     // On a thread of the pool that the solver shares its work with.
     rayon::scope(|_| {
         let mut record = Recorder::new(operators, initial.view(), times)?;
-        let mut steps = StepSolver::new(operators, law, solver, stage)?;
+        let mut steps = StepSolver::new(operators, law, initial.view(), solver, stage)?;
         for k in 0..times.len() - 1 {
             stage.report(k as f64 / (times.len() - 1) as f64)?;
-            let solution = steps.step(&record, weights, times, k)?;
-            record.push(&solution);
+            let (solution, next) = steps.step(&record, weights, times, k)?;
+            record.push(&solution, next.total_variation);
+            steps.advance(next);
         }
         stage.report(1.0)?;
         Ok(record.finish())
     })
+}
+
+/// What is known of a state.
+struct Measured {
+    /// |∇u| on every face.
+    norms: Vec<f64>,
+    total_variation: f64,
+    /// M, of the current shape where the law says so.
+    masses: Vec<f64>,
+    /// L(w) u for the law's weights at u, where it was needed already.
+    force: Option<Force>,
 }
 
 /// Takes the steps of one flow; their systems share one pattern.
@@ -63,20 +76,26 @@ struct StepSolver<'a> {
     law: &'a dyn Law,
     solver: LinearSolver,
     stage: Stage<'a>,
+    now: Measured,
+    /// Norms and masses of the state before.
+    before: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl<'a> StepSolver<'a> {
     fn new(
         operators: &'a Discretization,
         law: &'a dyn Law,
+        initial: ArrayView2<f64>,
         solver: Solver,
         stage: Stage<'a>,
     ) -> Result<Self> {
         Ok(Self {
+            now: measured(operators, law, initial),
             operators,
             law,
             solver: LinearSolver::new(operators.pattern().zeros(), solver, stage)?,
             stage,
+            before: None,
         })
     }
 
@@ -87,7 +106,7 @@ impl<'a> StepSolver<'a> {
         weights: Weights,
         times: &[f64],
         k: usize,
-    ) -> Result<Solution> {
+    ) -> Result<(Solution, Measured)> {
         let dt = times[k + 1] - times[k];
         let history = History {
             state: record.state(k),
@@ -95,14 +114,19 @@ impl<'a> StepSolver<'a> {
         };
         let guess = predicted_increment(|k| record.state(k), times, k);
         if weights == Weights::Extrapolated {
-            let solution = self.extrapolated(&history, dt, guess.as_ref())?;
-            let bound = record.last_total_variation() * (1.0 + ROUNDING);
-            if record.total_variation(&solution.state) <= bound {
-                return Ok(solution);
+            let (solution, next) = self.extrapolated(&history, dt, guess.as_ref())?;
+            if next.total_variation <= self.now.total_variation * (1.0 + ROUNDING) {
+                return Ok((solution, next));
             }
             // The extrapolation overshot an extinction; the lagged step never raises TV.
         }
         self.lagged(&history, dt, guess.as_ref())
+    }
+
+    /// Goes on from the state that is measured by `next`.
+    fn advance(&mut self, next: Measured) {
+        let now = std::mem::replace(&mut self.now, next);
+        self.before = Some((now.norms, now.masses));
     }
 
     /// Backward Euler with the weights of the last state.
@@ -111,11 +135,14 @@ impl<'a> StepSolver<'a> {
         history: &History,
         dt: f64,
         guess: Option<&Array2<f64>>,
-    ) -> Result<Solution> {
+    ) -> Result<(Solution, Measured)> {
         let step = TimeStep::backward_euler(history, dt);
-        let norms = self.operators.gradient().norms(history.state);
-        let masses = self.masses(history.state);
-        let state = self.solve(history, &step, &norms, &masses, guess)?;
+        let force = match self.now.force.take() {
+            Some(force) => force,
+            None => Force::new(self.operators, self.law, &self.now.norms, history.state),
+        };
+        let masses = self.now.masses.clone();
+        let state = self.solve(history, &step, &force, &masses, guess)?;
         Ok(self.certified(state, &step))
     }
 
@@ -125,107 +152,106 @@ impl<'a> StepSolver<'a> {
         history: &History,
         dt: f64,
         guess: Option<&Array2<f64>>,
-    ) -> Result<Solution> {
-        let gradient = self.operators.gradient();
-        let mut norms = gradient.norms(history.state);
-        let mut masses = self.masses(history.state);
+    ) -> Result<(Solution, Measured)> {
+        let mut norms = None;
+        let mut masses = self.now.masses.clone();
         let mut step = TimeStep::backward_euler(history, dt);
-        if let (Some(bdf2), Some((previous, growth))) =
-            (TimeStep::bdf2(history, dt), history.usable(dt))
-        {
+        if let (Some(bdf2), Some((_, growth)), Some((norms_before, masses_before))) = (
+            TimeStep::bdf2(history, dt),
+            history.usable(dt),
+            &self.before,
+        ) {
             step = bdf2;
-            match self.law.masses(previous) {
-                Some(before) => masses = predicted_masses(&masses, &before, growth),
-                None => norms = predicted_gradients(&norms, &gradient.norms(previous), growth),
+            match self.law.moves_masses() {
+                true => masses = predicted_masses(&masses, masses_before, growth),
+                false => norms = Some(predicted_gradients(&self.now.norms, norms_before, growth)),
             }
         }
-        let mut state = self.solve(history, &step, &norms, &masses, guess)?;
+        let norms = norms.as_deref().unwrap_or(&self.now.norms);
+        let force = Force::new(self.operators, self.law, norms, history.state);
+        let mut state = self.solve(history, &step, &force, &masses, guess)?;
         if !self.law.is_linear() {
             self.correct(&step, &masses, &mut state)?;
         }
         Ok(self.certified(state, &step))
     }
 
-    /// M at `state`, of the current shape where the law says so.
-    fn masses(&self, state: ArrayView2<f64>) -> Vec<f64> {
-        let current = self.law.masses(state);
-        current.unwrap_or_else(|| self.operators.masses().to_vec())
-    }
-
-    /// Solves (M + τ L(w)) u⁺ = M û, with w from `norms` and M of `masses`, for the increment
+    /// Solves (M + τ L(w)) u⁺ = M û, with L(w) of `force` and M of `masses`, for the increment
     /// u⁺ − u, of which `guess` is a first guess: where the mesh lies in space then costs no
     /// digits.
     fn solve(
         &mut self,
         history: &History,
         step: &TimeStep,
-        norms: &[f64],
+        force: &Force,
         masses: &[f64],
         guess: Option<&Array2<f64>>,
     ) -> Result<Array2<f64>> {
-        let gradient = self.operators.gradient();
-        let weights = self.law.weights(norms);
-        let stiffness = |face: usize| {
-            let scale = step.tau * gradient.face_areas()[face] * weights[face];
-            element_stiffness(&gradient.hats()[face], scale)
-        };
-        let pattern = self.operators.pattern();
-        let assemble = |system: &mut _| pattern.assemble(gradient, masses, stiffness, system);
-        self.solver.set_matrix(masses, assemble, self.stage)?;
-
-        let mut increment = &step.data - &history.state;
-        for (mut row, channel) in increment.rows_mut().into_iter().zip(history.state.rows()) {
-            let laplacian = gradient.weighted_laplacian(&weights, channel);
-            for ((value, mass), curvature) in row.iter_mut().zip(masses).zip(laplacian) {
-                *value = mass * *value - step.tau * curvature;
-            }
-        }
-        let increment = self.solver.solve(increment, guess, TOLERANCE, self.stage)?;
+        self.solver
+            .set_matrix(masses, &force.couplings, step.tau, self.stage)?;
+        let residual = force.residual(step, masses, history.state);
+        let increment = self.solver.solve(residual, guess, TOLERANCE, self.stage)?;
         Ok(increment + history.state)
     }
 
     /// One descent step on the energy of the time step, preconditioned by the matrix at hand,
     /// with the best step length.
     fn correct(&mut self, step: &TimeStep, masses: &[f64], state: &mut Array2<f64>) -> Result<()> {
-        let energy = Energy {
-            operators: self.operators,
-            weights: &|norms| self.law.weights(norms),
-            least_weight: 0.0,
-            masses,
-            data: &step.data,
-            tau: step.tau,
-            fixed: &[],
-        };
-        let slope = energy.slope(state.view());
-        let descent = energy.descent(state.view(), &slope);
+        let gradient = self.operators.gradient();
+        let norms = gradient.norms(state.view());
+        let force = Force::new(self.operators, self.law, &norms, state.view());
+        let descent = force.residual(step, masses, state.view());
+        let start = |direction: &Array2<f64>| -(&descent * direction).sum();
         let direction = self
             .solver
             .solve(descent.clone(), None, TOLERANCE, self.stage)?;
-        let length = energy.line_search(&slope, &direction, &descent);
-        state.scaled_add(length, &direction);
+        let line = Line {
+            law: self.law,
+            areas: gradient.face_areas(),
+            along: gradient.products(state.view(), direction.view()),
+            squared: gradient.products(direction.view(), direction.view()),
+            norms,
+        };
+        let mut quadratic = 0.0;
+        for row in direction.rows() {
+            let terms = row
+                .iter()
+                .zip(masses)
+                .map(|(value, mass)| mass * value * value);
+            quadratic += terms.sum::<f64>();
+        }
+        let start = start(&direction);
+        let linear = start - step.tau * line.slope(0.0);
+        let slope = |alpha: f64| linear + alpha * quadratic + step.tau * line.slope(alpha);
+        state.scaled_add(least_along(start, slope), &direction);
         Ok(())
     }
 
-    /// Adds the duality gap of a TV step, for the dual field w ∇u.
-    fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Solution {
+    /// Measures a state and adds the duality gap of a TV step, for the dual field w ∇u.
+    fn certified(&self, state: Array2<f64>, step: &TimeStep) -> (Solution, Measured) {
+        let mut next = measured(self.operators, self.law, state.view());
         let mut gap = 0.0;
         if self.law.is_total_variation() {
-            let energy = Energy {
-                operators: self.operators,
-                weights: &|norms| self.law.weights(norms),
-                least_weight: 0.0,
-                masses: self.operators.masses(),
-                data: &step.data,
-                tau: step.tau,
-                fixed: &[],
-            };
-            let fluxes = energy.slope(state.view()).fluxes();
-            gap = duality_gap(self.operators, step, state.view(), &fluxes);
+            let force = Force::new(self.operators, self.law, &next.norms, state.view());
+            gap = force.gap(self.operators, step, &next.norms, state.view());
+            next.force = Some(force);
         }
-        Solution {
+        let solution = Solution {
             state,
             gap,
             tau: step.tau,
-        }
+        };
+        (solution, next)
+    }
+}
+
+fn measured(operators: &Discretization, law: &dyn Law, state: ArrayView2<f64>) -> Measured {
+    let norms = operators.gradient().norms(state);
+    let masses = law.masses(state);
+    Measured {
+        total_variation: variation(operators, &norms),
+        norms,
+        masses: masses.unwrap_or_else(|| operators.masses().to_vec()),
+        force: None,
     }
 }

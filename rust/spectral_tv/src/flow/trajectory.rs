@@ -33,18 +33,17 @@ pub(super) struct Solution {
 const EXTINCT: f64 = 1e-9;
 
 /// Collects the states of a running flow.
-pub(super) struct Recorder<'a> {
-    operators: &'a Discretization,
+pub(super) struct Recorder {
     trajectory: Trajectory,
 }
 
-impl<'a> Recorder<'a> {
+impl Recorder {
     /// Starts at `initial` (C, V).
     ///
     /// # Errors
     /// If the times do not increase from 0, or a value is not finite.
     pub fn new(
-        operators: &'a Discretization,
+        operators: &Discretization,
         initial: ArrayView2<f64>,
         times: &[f64],
     ) -> Result<Self> {
@@ -59,10 +58,7 @@ impl<'a> Recorder<'a> {
             total_variation: vec![total_variation(operators.gradient(), initial)],
             gaps: Vec::new(),
         };
-        Ok(Self {
-            operators,
-            trajectory,
-        })
+        Ok(Self { trajectory })
     }
 
     /// u(t_k).
@@ -84,25 +80,19 @@ impl<'a> Recorder<'a> {
             .expect("starts with one")
     }
 
-    /// Total variation of `state`.
-    pub fn total_variation(&self, state: &Array2<f64>) -> f64 {
-        total_variation(self.operators.gradient(), state.view())
-    }
-
-    /// Takes the state at the next time.
-    pub fn push(&mut self, solution: &Solution) {
+    /// Takes the state at the next time, and its TV.
+    pub fn push(&mut self, solution: &Solution, total_variation: f64) {
         let start = self.last_total_variation();
         let gap = match self.is_extinct() {
             true => 0.0,
             false => solution.gap / (solution.tau * start),
         };
-        let end = self.total_variation(&solution.state);
         let k = self.trajectory.total_variation.len();
         self.trajectory
             .states
             .index_axis_mut(Axis(0), k)
             .assign(&solution.state);
-        self.trajectory.total_variation.push(end);
+        self.trajectory.total_variation.push(total_variation);
         self.trajectory.gaps.push(gap);
     }
 

@@ -62,9 +62,9 @@ pub(super) fn outward_signs(
     }
     let pattern = operators.pattern();
     let mut solver = LinearSolver::new(pattern.zeros(), solver, stage)?;
-    let stiffness = |face: usize| coupling(face).map(|coupling| -coupling);
-    let assemble = |system: &mut _| pattern.assemble(gradient, &diagonal, stiffness, system);
-    solver.set_matrix(&diagonal, assemble, stage)?;
+    let mut couplings = pattern.zeros();
+    pattern.assemble(gradient, &diagonal, coupling, &mut couplings);
+    solver.set_matrix(&diagonal, couplings.data(), 1.0, stage)?;
     let mut data = Array2::zeros((1, lengths.len()));
     for (vertex, (displacement, normal)) in columns().zip(normals.columns()).enumerate() {
         data[[0, vertex]] = masses[vertex] * displacement.dot(&normal) / mean;

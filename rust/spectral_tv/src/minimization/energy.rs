@@ -4,13 +4,8 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::minimization::fields::{TangentField, inner_products};
+use crate::minimization::line_search::least_along;
 use crate::operators::{Discretization, FaceVector};
-
-/// The line search looks no further than this many times the direction.
-const LONGEST: f64 = 2.0;
-/// Fall of the slope along the line at which the search is done, and its most evaluations.
-const SLOPE_TOLERANCE: f64 = 1e-2;
-const MOST_EVALUATIONS: usize = 20;
 
 /// A convex energy of functions on a mesh, provided that n w(n) grows with n.
 #[derive(Clone, Copy)]
@@ -92,8 +87,7 @@ impl Energy<'_> {
         descent
     }
 
-    /// The α in [0, 2] that minimises E(u + α δ), where E is convex: the root of its slope, by
-    /// regula falsi (Illinois). `descent` is −E′(u).
+    /// The α in [0, 2] that minimises E(u + α δ). `descent` is −E′(u).
     pub fn line_search(
         &self,
         slope: &Slope,
@@ -101,36 +95,7 @@ impl Energy<'_> {
         descent: &Array2<f64>,
     ) -> f64 {
         let start = -(descent * direction).sum();
-        let along_line = self.restricted(slope, direction, start);
-        let (mut low, mut low_value) = (0.0, start);
-        let (mut high, mut high_value) = (1.0, along_line(1.0));
-        if high_value < 0.0 {
-            (low, low_value) = (high, high_value);
-            (high, high_value) = (LONGEST, along_line(LONGEST));
-            if high_value <= 0.0 {
-                return LONGEST;
-            }
-        }
-        let mut alpha = 1.0;
-        for _ in 0..MOST_EVALUATIONS {
-            let value = match alpha {
-                _ if alpha == low => low_value,
-                _ if alpha == high => high_value,
-                _ => along_line(alpha),
-            };
-            if value.abs() <= SLOPE_TOLERANCE * start.abs() {
-                break;
-            }
-            if value > 0.0 {
-                (high, high_value) = (alpha, value);
-                low_value *= 0.5;
-            } else {
-                (low, low_value) = (alpha, value);
-                high_value *= 0.5;
-            }
-            alpha = low - low_value * (high - low) / (high_value - low_value);
-        }
-        alpha
+        least_along(start, self.restricted(slope, direction, start))
     }
 
     /// The function α ↦ d/dα E(u + α δ), from per-face products alone; `start` is its value

@@ -3,12 +3,14 @@
 
 mod energy;
 mod fields;
+mod line_search;
 mod newton;
 mod tolerance;
 mod variation;
 
 pub use energy::{Energy, Slope};
 pub use fields::{TangentField, clipping_factors, inner_products};
+pub use line_search::least_along;
 pub use newton::PrimalDualNewton;
 pub use tolerance::check_tolerance;
 pub use variation::Variation;

@@ -1,5 +1,10 @@
 //! Ψ: how a gradient of size n = |∇u| counts.
 
+use rayon::prelude::*;
+
+/// Faces that are worth handing to another thread.
+const CHUNK: usize = 1 << 13;
+
 /// Total variation, smoothed where the gradient vanishes and, if asked, held back where it is
 /// steep: Ψ′(n) = n/√(n² + ε²), which is about 1, up to n = g and n/g beyond.
 ///
@@ -25,8 +30,14 @@ impl Variation {
 
     /// w = Ψ′(n)/n of every face.
     pub fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        let weight = |norm: &f64| norm.hypot(self.epsilon).min(self.steepest).recip();
-        gradient_norms.iter().map(weight).collect()
+        let least = self.epsilon * self.epsilon;
+        // Several times as fast as `hypot`; gradients are far from the ends of the range.
+        let weight = |norm: &f64| (norm * norm + least).sqrt().min(self.steepest).recip();
+        gradient_norms
+            .par_iter()
+            .with_min_len(CHUNK)
+            .map(weight)
+            .collect()
     }
 
     /// The weight of steep gradients, 1/g, on which w no longer depends.

@@ -4,13 +4,14 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::error::{Error, Result};
 use crate::mesh::TriangleMesh;
-use crate::operators::{Gradient, LaplacianPattern};
+use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
 
 /// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
 #[derive(Debug, Clone)]
 pub struct Discretization {
     gradient: Gradient,
     pattern: LaplacianPattern,
+    edges: EdgeLaplacian,
     masses: Vec<f64>,
     area: f64,
 }
@@ -21,6 +22,7 @@ impl Discretization {
         let gradient = Gradient::new(mesh);
         let pattern = LaplacianPattern::new(&gradient);
         Self {
+            edges: EdgeLaplacian::new(&gradient, &pattern),
             gradient,
             pattern,
             masses: invertible_masses(mesh.vertex_areas()),
@@ -36,6 +38,11 @@ impl Discretization {
     /// The pattern of weighted Laplacians.
     pub fn pattern(&self) -> &LaplacianPattern {
         &self.pattern
+    }
+
+    /// Weighted Laplacians by their edges.
+    pub fn edges(&self) -> &EdgeLaplacian {
+        &self.edges
     }
 
     /// M: the lumped mass of every vertex, length², positive everywhere.

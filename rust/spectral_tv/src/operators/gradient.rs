@@ -1,9 +1,13 @@
 //! The per-face gradient G and its adjoint.
 
 use ndarray::{ArrayView1, ArrayView2};
+use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
 use crate::mesh::TriangleMesh;
+
+/// Faces that are worth handing to another thread.
+const CHUNK: usize = 1 << 12;
 
 /// A tangent vector of a face, in the face's own orthonormal frame, per unit of length.
 pub type FaceVector = [f64; 2];
@@ -80,17 +84,31 @@ impl Gradient {
 
     /// |∇u| on every face, over all channels of `values` (C, V) together.
     pub fn norms(&self, values: ArrayView2<f64>) -> Vec<f64> {
-        let mut squares = vec![0.0; self.hats.len()];
-        for channel in values.rows() {
-            for (face, square) in squares.iter_mut().enumerate() {
-                let [x, y] = self.on_face(face, &channel);
-                *square += x * x + y * y;
-            }
-        }
-        squares
-            .iter_mut()
-            .for_each(|square| *square = square.sqrt());
-        squares
+        let channels: Vec<_> = values.rows().into_iter().collect();
+        self.per_face(|face| {
+            let squares = channels.iter().map(|channel| {
+                let [x, y] = self.on_face(face, channel);
+                x * x + y * y
+            });
+            squares.sum::<f64>().sqrt()
+        })
+    }
+
+    /// ⟨∇a, ∇b⟩ on every face, over all channels of `a` and `b` (C, V) together.
+    pub fn products(&self, a: ArrayView2<f64>, b: ArrayView2<f64>) -> Vec<f64> {
+        let channels: Vec<_> = a.rows().into_iter().zip(b.rows()).collect();
+        self.per_face(|face| {
+            let products = channels.iter().map(|(a, b)| {
+                let ([x, y], [p, q]) = (self.on_face(face, a), self.on_face(face, b));
+                x * p + y * q
+            });
+            products.sum()
+        })
+    }
+
+    fn per_face(&self, value: impl Fn(usize) -> f64 + Sync + Send) -> Vec<f64> {
+        let faces = (0..self.hats.len()).into_par_iter();
+        faces.with_min_len(CHUNK).map(value).collect()
     }
 
     /// Gᵀ A z: the integrated negative divergence at every vertex of a field with one vector

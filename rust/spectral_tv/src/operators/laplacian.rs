@@ -1,5 +1,6 @@
 //! L(w) = Gᵀ diag(A w) G, and the systems M + τ L(w): one fixed sparsity pattern.
 
+use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::operators::{FaceVector, Gradient};
@@ -19,22 +20,16 @@ pub struct LaplacianPattern {
 impl LaplacianPattern {
     /// The pattern of the mesh that `gradient` belongs to.
     pub fn new(gradient: &Gradient) -> Self {
-        let columns = sorted_columns(gradient);
-        let mut column_starts = Vec::with_capacity(columns.len() + 1);
-        column_starts.push(0);
-        let mut rows = Vec::new();
-        for column in &columns {
-            rows.extend_from_slice(column);
-            column_starts.push(rows.len() as u32);
-        }
+        let (column_starts, rows) = sorted_columns(gradient);
         let entry = |i: u32, j: u32| {
             let (column, row) = (i.min(j) as usize, i.max(j));
-            let offset = columns[column].binary_search(&row);
-            column_starts[column] + offset.expect("every edge is in the pattern") as u32
+            let first = column_starts[column] as usize;
+            let offset = rows[first..column_starts[column + 1] as usize].binary_search(&row);
+            (first + offset.expect("every edge is in the pattern")) as u32
         };
         let edge_entries = gradient
             .triangles()
-            .iter()
+            .par_iter()
             .map(|&[i, j, k]| [entry(j, k), entry(k, i), entry(i, j)])
             .collect();
         Self {
@@ -42,6 +37,46 @@ impl LaplacianPattern {
             rows,
             edge_entries,
         }
+    }
+
+    /// Number of entries.
+    pub fn entry_count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Positions of each face's three off-diagonal entries, opposite to its corners; those of
+    /// the diagonal where a face repeats an index.
+    pub fn edge_entries(&self) -> &[[u32; 3]] {
+        &self.edge_entries
+    }
+
+    /// All neighbours of every vertex with their entries, and where each vertex's begin.
+    pub fn neighbours(&self) -> (Vec<u32>, Vec<(u32, u32)>) {
+        let size = self.column_starts.len() - 1;
+        let edges = || {
+            (0..size).flat_map(|column| {
+                let below = self.column_starts[column] + 1..self.column_starts[column + 1];
+                below.map(move |entry| (column as u32, self.rows[entry as usize], entry))
+            })
+        };
+        let mut starts = vec![0_u32; size + 1];
+        for (i, j, _) in edges() {
+            starts[i as usize + 1] += 1;
+            starts[j as usize + 1] += 1;
+        }
+        for vertex in 0..size {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut next = starts.clone();
+        let mut neighbours = vec![(0, 0); starts[size] as usize];
+        for (i, j, entry) in edges() {
+            for (from, to) in [(i, j), (j, i)] {
+                let place = &mut next[from as usize];
+                neighbours[*place as usize] = (to, entry);
+                *place += 1;
+            }
+        }
+        (starts, neighbours)
     }
 
     /// A matrix of this pattern with all entries 0.
@@ -114,21 +149,49 @@ pub fn element_stiffness(hats: &[FaceVector; 3], scale: f64) -> [f64; 3] {
     ]
 }
 
-/// The lower triangle's row indices, sorted, column by column, the diagonal first.
-fn sorted_columns(gradient: &Gradient) -> Vec<Vec<u32>> {
-    let mut columns: Vec<Vec<u32>> = (0..gradient.vertex_count() as u32)
-        .map(|vertex| vec![vertex])
-        .collect();
-    for &[i, j, k] in gradient.triangles() {
-        for (p, q) in [(i, j), (j, k), (k, i)] {
-            columns[p.min(q) as usize].push(p.max(q));
+/// The lower triangle's row indices, sorted, column by column, the diagonal first, and where
+/// each column begins.
+fn sorted_columns(gradient: &Gradient) -> (Vec<u32>, Vec<u32>) {
+    let size = gradient.vertex_count();
+    let edges = || {
+        let sides = |&[i, j, k]: &[u32; 3]| [(i, j), (j, k), (k, i)];
+        gradient.triangles().iter().flat_map(sides)
+    };
+    // Room for each edge as often as it occurs, and for the diagonal.
+    let mut counts = vec![1_u32; size];
+    for (p, q) in edges() {
+        counts[p.min(q) as usize] += 1;
+    }
+    let mut ends = Vec::with_capacity(size);
+    let mut rows = Vec::new();
+    for (column, count) in counts.iter().enumerate() {
+        rows.push(column as u32);
+        ends.push(rows.len());
+        rows.resize(rows.len() + *count as usize - 1, 0);
+    }
+    for (p, q) in edges() {
+        let end = &mut ends[p.min(q) as usize];
+        rows[*end] = p.max(q);
+        *end += 1;
+    }
+    let mut column_starts = Vec::with_capacity(size + 1);
+    column_starts.push(0);
+    let (mut read, mut written) = (0, 0);
+    for end in ends {
+        rows[read..end].sort_unstable();
+        let first = written;
+        for place in read..end {
+            let row = rows[place];
+            if written == first || rows[written - 1] != row {
+                rows[written] = row;
+                written += 1;
+            }
         }
+        column_starts.push(written as u32);
+        read = end;
     }
-    for column in &mut columns {
-        column.sort_unstable();
-        column.dedup();
-    }
-    columns
+    rows.truncate(written);
+    (column_starts, rows)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! One interface to the solvers, and the choice between them.
 
 use ndarray::Array2;
+use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
@@ -9,6 +10,9 @@ use crate::solver::{Cholesky, Multigrid};
 
 /// Number of unknowns from which multigrid is faster than a factorization.
 const LARGE: usize = 20_000;
+
+/// Entries that are worth handing to another thread.
+const CHUNK: usize = 1 << 14;
 
 /// How linear systems are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,7 +28,9 @@ pub enum Solver {
 
 /// Solves systems with symmetric positive definite matrices of one pattern.
 pub struct LinearSolver {
+    /// The lower triangle, its diagonal not written before a factorization needs it.
     lower: CsMatI<f64, u32>,
+    masses: Vec<f64>,
     multigrid: Option<Multigrid>,
     cholesky: Option<Cholesky>,
     /// Whether `cholesky` holds the factor of `lower`.
@@ -48,6 +54,7 @@ impl LinearSolver {
             false => (None, Some(Cholesky::analyse(&lower)?)),
         };
         Ok(Self {
+            masses: vec![0.0; lower.cols()],
             lower,
             multigrid,
             cholesky,
@@ -55,18 +62,24 @@ impl LinearSolver {
         })
     }
 
-    /// Takes the matrix whose rows sum to `masses`, and whose lower triangle `assemble` writes.
+    /// Takes the matrix diag(`masses`) + `tau` L, where L has the off-diagonal entries
+    /// −`couplings`, one for every entry of the pattern, and rows that sum to 0.
     ///
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
     pub fn set_matrix(
         &mut self,
         masses: &[f64],
-        assemble: impl FnOnce(&mut CsMatI<f64, u32>),
+        couplings: &[f64],
+        tau: f64,
         stage: Stage,
     ) -> Result<()> {
-        assemble(&mut self.lower);
         stage.check()?;
+        let entries = self.lower.data_mut().par_iter_mut().with_min_len(CHUNK);
+        entries
+            .zip(couplings)
+            .for_each(|(entry, coupling)| *entry = -tau * coupling);
+        self.masses.copy_from_slice(masses);
         self.is_factorized = false;
         if let Some(multigrid) = &mut self.multigrid {
             match multigrid.set_matrix(&self.lower, masses, stage) {
@@ -106,6 +119,7 @@ impl LinearSolver {
     }
 
     fn factorize(&mut self) -> Result<()> {
+        complete_diagonal(&mut self.lower, &self.masses);
         let mut cholesky = match self.cholesky.take() {
             Some(cholesky) => cholesky,
             None => Cholesky::analyse(&self.lower)?,
@@ -114,5 +128,21 @@ impl LinearSolver {
         self.is_factorized = outcome.is_ok();
         self.cholesky = Some(cholesky);
         outcome
+    }
+}
+
+/// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
+fn complete_diagonal(lower: &mut CsMatI<f64, u32>, masses: &[f64]) {
+    let mut diagonal = masses.to_vec();
+    for (column, entries) in lower.outer_iterator().enumerate() {
+        for (row, value) in entries.iter().filter(|(row, _)| *row != column) {
+            diagonal[row] -= value;
+            diagonal[column] -= value;
+        }
+    }
+    for (column, mut entries) in lower.outer_iterator_mut().enumerate() {
+        if let Some(entry) = entries.get_mut(column) {
+            *entry = diagonal[column];
+        }
     }
 }

@@ -79,13 +79,6 @@ impl Matrix {
         &self.octets[self.starts[row] as usize..self.starts[row + 1] as usize]
     }
 
-    /// m + Σ c of a row.
-    #[inline]
-    pub fn diagonal(&self, row: usize) -> f32 {
-        let couplings = self.row(row).iter().flat_map(|octet| octet.couplings);
-        self.masses[row] + couplings.sum::<f32>()
-    }
-
     /// −(K x) of one row.
     #[inline(always)]
     fn descent<const L: usize>(&self, row: usize, x: &[Lanes<L>]) -> Lanes<L> {

@@ -111,9 +111,9 @@ fn what_does_not_converge_is_factorized() {
     let (lower, masses) = system_of(400, &edges, masses);
     let monitor = Monitor::new();
     let mut solver = LinearSolver::new(lower.clone(), Solver::Multigrid, monitor.whole()).unwrap();
-    let assemble = |system: &mut CsMatI<f64, u32>| system.clone_from(&lower);
+    let couplings: Vec<f64> = lower.data().iter().map(|value| -value).collect();
     solver
-        .set_matrix(&masses, assemble, monitor.whole())
+        .set_matrix(&masses, &couplings, 1.0, monitor.whole())
         .unwrap();
     let right = functions(1, 400);
     let solution = solver

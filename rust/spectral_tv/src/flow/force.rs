@@ -1,0 +1,95 @@
+//! What drives a step: the weights of a law at given gradients, and their Laplacian.
+
+use ndarray::{Array2, ArrayView2, Zip};
+use rayon::prelude::*;
+
+use crate::flow::law::Law;
+use crate::flow::time_step::TimeStep;
+use crate::operators::Discretization;
+
+/// Faces or vertices that one thread works on at a time.
+const CHUNK: usize = 1 << 13;
+
+/// L(w) with w of given gradients, and L(w) u of a state.
+pub(super) struct Force {
+    /// w of every face.
+    pub weights: Vec<f64>,
+    /// L(w), see [`crate::operators::EdgeLaplacian`].
+    pub couplings: Vec<f64>,
+    /// L(w) u, (C, V).
+    pub flux: Array2<f64>,
+}
+
+impl Force {
+    /// The weights of `law` for |∇u| = `norms`, applied to `state` (C, V).
+    pub fn new(
+        operators: &Discretization,
+        law: &dyn Law,
+        norms: &[f64],
+        state: ArrayView2<f64>,
+    ) -> Self {
+        let weights = law.weights(norms);
+        let couplings = operators.edges().couplings(&weights);
+        Self {
+            flux: operators.edges().apply(&couplings, state),
+            weights,
+            couplings,
+        }
+    }
+
+    /// M(û − u) − τ L u, (C, V): the residual of the step at the state u.
+    pub fn residual(&self, step: &TimeStep, masses: &[f64], state: ArrayView2<f64>) -> Array2<f64> {
+        let mut residual = self.flux.clone();
+        let rows = residual.rows_mut().into_iter().zip(step.data.rows());
+        for ((mut row, data), state) in rows.zip(state.rows()) {
+            let tau = step.tau;
+            Zip::from(&mut row)
+                .and(&data)
+                .and(&state)
+                .and(masses)
+                .for_each(|flux, data, state, mass| *flux = mass * (data - state) - tau * *flux);
+        }
+        residual
+    }
+
+    /// Duality gap of a step of TV flow at the state u that this is the force of: primal minus
+    /// dual energy of min ½‖u − û‖²_M + τ TV(u), for the dual field w ∇u, which TV's weights
+    /// keep below 1. A sum of non-negative terms, so that it loses no digits.
+    pub fn gap(
+        &self,
+        operators: &Discretization,
+        step: &TimeStep,
+        norms: &[f64],
+        state: ArrayView2<f64>,
+    ) -> f64 {
+        let residual = self.residual(step, operators.masses(), state);
+        let mut distance = 0.0;
+        for row in residual.rows() {
+            let terms = row.iter().zip(operators.masses());
+            distance += terms.map(|(off, mass)| 0.5 * off * off / mass).sum::<f64>();
+        }
+        let areas = operators.gradient().face_areas();
+        let parts = (
+            norms.par_chunks(CHUNK),
+            self.weights.par_chunks(CHUNK),
+            areas.par_chunks(CHUNK),
+        );
+        let parts = parts.into_par_iter().map(|(norms, weights, areas)| {
+            let faces = norms.iter().zip(weights).zip(areas);
+            let terms = faces.map(|((n, w), area)| area * (n - w * n * n).max(0.0));
+            terms.sum::<f64>()
+        });
+        distance + step.tau * parts.collect::<Vec<_>>().iter().sum::<f64>()
+    }
+}
+
+/// Σ A n over the faces: TV from |∇u| = `norms`.
+pub(super) fn variation(operators: &Discretization, norms: &[f64]) -> f64 {
+    let areas = operators.gradient().face_areas();
+    let parts = norms.par_chunks(CHUNK).zip(areas.par_chunks(CHUNK));
+    let parts = parts.map(|(norms, areas)| {
+        let terms = norms.iter().zip(areas).map(|(n, area)| n * area);
+        terms.sum::<f64>()
+    });
+    parts.collect::<Vec<_>>().iter().sum()
+}
