@@ -47,7 +47,9 @@ impl Force {
                 .and(&data)
                 .and(&state)
                 .and(masses)
-                .for_each(|flux, data, state, mass| *flux = mass * (data - state) - tau * *flux);
+                .par_for_each(|flux, data, state, mass| {
+                    *flux = mass * (data - state) - tau * *flux
+                });
         }
         residual
     }

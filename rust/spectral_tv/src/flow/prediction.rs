@@ -3,7 +3,7 @@
 //! The variables that are taken as linear in time, and the limits, were found by measuring the
 //! error of bands on real meshes.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, Zip};
 
 /// Least fraction of a gradient that a prediction leaves.
 const LEAST_GRADIENT: f64 = 1e-3;
@@ -13,9 +13,11 @@ const LARGEST_MASS_CHANGE: f64 = 2.0;
 
 /// A step may look ahead as far as the last one reaches back, in log t, and half as much again.
 const FARTHEST: f64 = 1.5;
+/// How much of the velocity's curvature is believed: more of it overshoots, less lags behind.
+const CURVATURE: f64 = 0.6;
 
-/// u_{k+1} − u_k, from `state`s up to that at `times[k]`: the velocity is taken as linear in the
-/// logarithm of time; `None` for the first step.
+/// u_{k+1} − u_k, from the states up to u_k: the velocity is continued along a parabola in the
+/// logarithm of time, somewhat straightened; `None` for the first step.
 pub(super) fn predicted_increment<'a>(
     state: impl Fn(usize) -> ArrayView2<'a, f64>,
     times: &[f64],
@@ -24,19 +26,35 @@ pub(super) fn predicted_increment<'a>(
     let length = |k: usize| times[k + 1] - times[k];
     let logarithm = |k: usize| (times[k + 1] + times[k]).ln();
     let last = k.checked_sub(1)?;
-    let mut weights = vec![(last, 1.0)];
-    if let Some(before) = last.checked_sub(1) {
-        let ahead = (logarithm(k) - logarithm(last)) / (logarithm(last) - logarithm(before));
-        let ahead = ahead.min(FARTHEST);
-        weights = vec![(last, 1.0 + ahead), (before, -ahead)];
-    }
+    let known: Vec<f64> = (0..k.min(3)).map(|back| logarithm(last - back)).collect();
     let mut increment = Array2::zeros(state(k).dim());
-    for (step, weight) in weights {
+    for (back, weight) in extrapolation(&known, logarithm(k)).iter().enumerate() {
+        let step = last - back;
         let factor = weight * length(k) / length(step);
-        increment.scaled_add(factor, &state(step + 1));
-        increment.scaled_add(-factor, &state(step));
+        Zip::from(&mut increment)
+            .and(&state(step + 1))
+            .and(&state(step))
+            .par_for_each(|sum, end, start| *sum += factor * (end - start));
     }
     Some(increment)
+}
+
+/// Weights of the values at up to three places, latest first, in the value expected at `next`.
+fn extrapolation(places: &[f64], next: f64) -> Vec<f64> {
+    let &[a, b, ref earlier @ ..] = places else {
+        return vec![1.0; places.len()];
+    };
+    let ahead = ((next - a) / (a - b)).min(FARTHEST);
+    let mut weights = vec![1.0 + ahead, -ahead];
+    if let Some(c) = earlier.first() {
+        // Newton's term of second order, at most as far ahead.
+        let next = a + ahead * (a - b);
+        let curvature = CURVATURE * (next - a) * (next - b) / (a - c);
+        weights[0] += curvature / (a - b);
+        weights[1] -= curvature / (a - b) + curvature / (b - c);
+        weights.push(curvature / (b - c));
+    }
+    weights
 }
 
 /// |∇u| on every face a step of `growth` times the last one's length ahead, √|∇u| taken as

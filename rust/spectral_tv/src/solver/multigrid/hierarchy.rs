@@ -88,6 +88,25 @@ impl Hierarchy {
         self.finish(stage)
     }
 
+    /// Takes new values of the finest matrix on its own level alone: coarse levels of a similar
+    /// matrix still serve.
+    ///
+    /// # Errors
+    /// [`Error::Solver`] if the matrix is not positive definite.
+    pub fn refresh_finest(&mut self) -> Result<()> {
+        let finest = &mut self.levels[0];
+        let is_definite = finest.smoother.refresh(&finest.matrix);
+        // A single level is its own coarsest.
+        let coarsest = self.coarsest.take().filter(|_| self.levels.len() > 1);
+        self.coarsest = match coarsest {
+            None if self.levels[0].matrix.size() <= coarsest::LARGEST => {
+                Some(Coarsest::new(&self.levels[0].matrix).ok_or_else(not_definite)?)
+            }
+            coarsest => coarsest,
+        };
+        is_definite.then_some(()).ok_or_else(not_definite)
+    }
+
     /// What follows from the matrices.
     fn finish(&mut self, stage: Stage) -> Result<()> {
         for level in &mut self.levels {

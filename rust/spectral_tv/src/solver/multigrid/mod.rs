@@ -43,6 +43,9 @@ const MOST_ITERATIONS: usize = 60;
 /// Iterations beyond those right after clustering that are borne before clustering anew, both
 /// counted for a fixed gain.
 const MOST_EXTRA_ITERATIONS: f64 = 4.0;
+/// And those beyond the ones with up-to-date coarse levels before these are brought up to date,
+/// which costs about two iterations.
+const MOST_OUTDATED_ITERATIONS: f64 = 1.0;
 /// That gain: six digits.
 const GAIN: f64 = 1e-6;
 
@@ -52,9 +55,15 @@ pub struct Multigrid {
     hierarchy: Hierarchy,
     /// What the matrix was divided by.
     scale: f64,
+    /// Whether the clusters no longer fit, and whether the coarse levels do not.
     is_stale: bool,
-    /// Iterations for [`GAIN`] right after the vertices were clustered.
+    is_outdated: bool,
+    /// Whether the coarse levels are those of the matrix at hand.
+    is_current: bool,
+    /// Iterations for [`GAIN`] right after the vertices were clustered, and when the coarse
+    /// levels were last brought up to date.
     iterations_when_fresh: Option<f64>,
+    iterations_when_current: f64,
     single: Option<Iteration<1>>,
     quadruple: Option<Iteration<4>>,
 }
@@ -72,7 +81,10 @@ impl Multigrid {
             hierarchy: Hierarchy::unset(matrix),
             scale: 1.0,
             is_stale: true,
+            is_outdated: false,
+            is_current: false,
             iterations_when_fresh: None,
+            iterations_when_current: 0.0,
             single: None,
             quadruple: None,
         })
@@ -91,9 +103,14 @@ impl Multigrid {
         let finest = &mut self.hierarchy.levels[0].matrix;
         self.scale = system::refresh(finest, &self.ordering, lower, masses);
         stage.check()?;
-        match self.is_stale {
-            true => self.coarsen(stage),
-            false => self.hierarchy.refresh(stage),
+        if self.is_stale {
+            return self.coarsen(stage);
+        }
+        self.is_current = self.is_outdated;
+        self.is_outdated = false;
+        match self.is_current {
+            true => self.hierarchy.refresh(stage),
+            false => self.hierarchy.refresh_finest(),
         }
     }
 
@@ -163,7 +180,7 @@ impl Multigrid {
         }
         let (tolerance, stage) = (problem.tolerance, problem.stage);
         let mut report = iteration.run(&self.hierarchy, tolerance, MOST_ITERATIONS, stage)?;
-        if !report.has_converged && self.iterations_when_fresh.is_some() {
+        if !report.has_converged && !(self.is_current && self.iterations_when_fresh.is_none()) {
             self.coarsen(stage)?;
             let iteration = &mut *iteration;
             *iteration = Iteration::new(&self.hierarchy);
@@ -204,17 +221,26 @@ impl Multigrid {
             iteration.adapt(&self.hierarchy);
         }
         self.is_stale = false;
+        self.is_outdated = false;
+        self.is_current = true;
         Ok(())
     }
 
-    /// Asks for new clusters once these have become much worse than they were.
+    /// Asks for new coarse levels or new clusters once these have become much worse than they
+    /// were.
     fn judge(&mut self, report: Report) {
         if report.iterations == 0 {
             return;
         }
         let iterations = GAIN.ln() / report.rate.ln();
-        let fresh = *self.iterations_when_fresh.get_or_insert(iterations);
-        self.is_stale |= iterations > fresh + MOST_EXTRA_ITERATIONS;
+        if self.is_current {
+            let fresh = *self.iterations_when_fresh.get_or_insert(iterations);
+            self.is_stale |= iterations > fresh + MOST_EXTRA_ITERATIONS;
+            self.iterations_when_current = iterations;
+        } else {
+            let bound = self.iterations_when_current + MOST_OUTDATED_ITERATIONS;
+            self.is_outdated |= iterations > bound;
+        }
     }
 }
 

@@ -15,6 +15,8 @@ const PIECE: usize = 1 << 16;
 pub(super) struct Ordering {
     /// The caller's index of each vertex.
     pub order: Vec<u32>,
+    /// Where each of the caller's vertices is in it.
+    pub places: Vec<u32>,
     /// First neighbour of each vertex in `neighbours`, V + 1.
     pub starts: Vec<u32>,
     /// The neighbours of each, by their place in the order.
@@ -55,6 +57,7 @@ impl Ordering {
             starts.push(neighbours.len() as u32);
         }
         Ok(Self {
+            places,
             order,
             starts,
             neighbours,

@@ -84,8 +84,10 @@ pub(super) fn scatter<const L: usize>(
 ) {
     let rows = values.outer_iter_mut().skip(first).take(L).enumerate();
     for (lane, mut row) in rows {
-        for (lanes, &vertex) in lanes.iter().zip(&ordering.order) {
-            row[vertex as usize] = f64::from(lanes[lane]) / factor;
-        }
+        let row = row.as_slice_mut().expect("channels are contiguous");
+        let places = ordering.places.par_iter().with_min_len(1 << 13);
+        let entries = row.par_iter_mut().zip(places);
+        entries
+            .for_each(|(value, &place)| *value = f64::from(lanes[place as usize][lane]) / factor);
     }
 }
