@@ -30,9 +30,6 @@ const ROUNDING: f64 = 1e-12;
 /// the energy norm.
 const TOLERANCE: f64 = 2e-6;
 
-/// The same for the correction of an extrapolated step, which is a fraction of its increment.
-const CORRECTION_TOLERANCE: f64 = 1e-5;
-
 /// Runs `law` from `initial` (C, V) through `times`, its systems solved by `solver`.
 ///
 /// # Errors
@@ -205,9 +202,9 @@ impl<'a> StepSolver<'a> {
         let force = Force::new(self.operators, self.law, &norms, state.view());
         let descent = force.residual(step, masses, state.view());
         let start = |direction: &Array2<f64>| -(&descent * direction).sum();
-        let direction =
-            self.solver
-                .solve(descent.clone(), None, CORRECTION_TOLERANCE, self.stage)?;
+        let direction = self
+            .solver
+            .solve(descent.clone(), None, TOLERANCE, self.stage)?;
         let line = Line {
             law: self.law,
             areas: gradient.face_areas(),
