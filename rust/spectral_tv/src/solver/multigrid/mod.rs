@@ -46,6 +46,9 @@ const MOST_EXTRA_ITERATIONS: f64 = 4.0;
 /// And those beyond the ones with up-to-date coarse levels before these are brought up to date,
 /// which costs about two iterations.
 const MOST_OUTDATED_ITERATIONS: f64 = 1.0;
+/// Iterations beyond those right after clustering that make a solution start anew with new
+/// clusters, which cost about eight.
+const MOST_WASTED_ITERATIONS: f64 = 12.0;
 /// That gain: six digits.
 const GAIN: f64 = 1e-6;
 
@@ -64,6 +67,10 @@ pub struct Multigrid {
     /// levels were last brought up to date.
     iterations_when_fresh: Option<f64>,
     iterations_when_current: f64,
+    /// Matrices that the clusters have served, and after which they are renewed unasked: where
+    /// weights change from step to step, clusters that failed soon will do so again.
+    age: usize,
+    lifetime: usize,
     single: Option<Iteration<1>>,
     quadruple: Option<Iteration<4>>,
 }
@@ -85,6 +92,8 @@ impl Multigrid {
             is_current: false,
             iterations_when_fresh: None,
             iterations_when_current: 0.0,
+            age: 0,
+            lifetime: usize::MAX,
             single: None,
             quadruple: None,
         })
@@ -103,9 +112,10 @@ impl Multigrid {
         let finest = &mut self.hierarchy.levels[0].matrix;
         self.scale = system::refresh(finest, &self.ordering, lower, masses);
         stage.check()?;
-        if self.is_stale {
+        if self.is_stale || self.age >= self.lifetime {
             return self.coarsen(stage);
         }
+        self.age += 1;
         self.is_current = self.is_outdated;
         self.is_outdated = false;
         match self.is_current {
@@ -179,16 +189,23 @@ impl Multigrid {
             None => iteration.solution.fill([0.0; L]),
         }
         let (tolerance, stage) = (problem.tolerance, problem.stage);
-        let mut report = iteration.run(&self.hierarchy, tolerance, MOST_ITERATIONS, stage)?;
-        if !report.has_converged && !(self.is_current && self.iterations_when_fresh.is_none()) {
+        let is_fresh = self.age == 1 && self.is_current;
+        let most = match self.iterations_when_fresh {
+            Some(fresh) if !is_fresh => (fresh + MOST_WASTED_ITERATIONS) as usize,
+            _ => MOST_ITERATIONS,
+        };
+        let mut report = iteration.run(&self.hierarchy, tolerance, most, stage)?;
+        if !report.has_converged && !is_fresh {
+            // From where the iteration got to.
+            self.lifetime = self.age.saturating_sub(1).max(1);
             self.coarsen(stage)?;
-            let iteration = &mut *iteration;
-            *iteration = Iteration::new(&self.hierarchy);
+            iteration.adapt(&self.hierarchy);
+            let right_hand_side = &mut iteration.residual;
             system::gather(
                 &self.ordering,
                 problem.rows,
                 largest.recip(),
-                &mut iteration.residual,
+                right_hand_side,
             );
             report = iteration.run(&self.hierarchy, tolerance, MOST_ITERATIONS, stage)?;
         }
@@ -223,6 +240,7 @@ impl Multigrid {
         self.is_stale = false;
         self.is_outdated = false;
         self.is_current = true;
+        self.age = 1;
         Ok(())
     }
 

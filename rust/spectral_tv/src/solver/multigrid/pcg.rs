@@ -123,7 +123,7 @@ impl<const L: usize> Iteration<L> {
         });
         let linear = sum(&linear.collect::<Vec<_>>());
         let size = 2.0 * total(linear) - total(quadratic);
-        if size <= 0.0 {
+        if size <= 0.0 || !size.is_finite() {
             self.solution.fill([0.0; L]);
             return 0.0;
         }
