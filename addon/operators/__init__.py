@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import _job, bake_deformation, constraints, cosegment, decompose, deform, filter, live
+from . import _job, bake_deformation, constraints, cosegment, decompose, deform, filter, live, mix
 
-_FILES = (_job, decompose, filter, constraints, deform, live, bake_deformation, cosegment)
+_FILES = (_job, decompose, filter, mix, constraints, deform, live, bake_deformation, cosegment)
 
 register, unregister = bpy.utils.register_classes_factory(
     [cls for file in _FILES for cls in file.CLASSES]

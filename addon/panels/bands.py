@@ -7,6 +7,7 @@ import bpy
 from .. import filter_curve, spectrum
 from ..gains import PRESETS
 from ..operators import filter as operators
+from ..operators.mix import SPECTRAL_TV_OT_take_bands
 from ..records import SpectralTVRecord, band_keys, record_of, topology_changed
 from ._sidebar import Sidebar, say
 
@@ -97,6 +98,8 @@ class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
             operator.preset = name
             operator.first, operator.last = settings.first, settings.last
             operator.amount = settings.amount
+        take = layout.operator(SPECTRAL_TV_OT_take_bands.bl_idname, icon="IMPORT")
+        take.first, take.last = settings.first, settings.last
 
 
 class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
