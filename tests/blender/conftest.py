@@ -24,6 +24,7 @@ if not IN_BLENDER:  # the module reads the variable on import; the user's own fi
     os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES.name
 
 import bpy  # noqa: E402
+from deform_scene import constrain, dumbbell_object, empty  # noqa: E402
 
 
 def built_zip() -> Path:
@@ -126,3 +127,17 @@ def monkey():
     modifier.levels = 2
     bpy.ops.object.modifier_apply(modifier=modifier.name)
     return obj
+
+
+@pytest.fixture
+def body():
+    """A dumbbell with vertex groups at its ends, the active object."""
+    return dumbbell_object()
+
+
+@pytest.fixture
+def held(body):
+    """The same, its lower end pinned and its upper end following an empty."""
+    constrain(body, "Feet", "PIN")
+    constrain(body, "Head", "OBJECT", target=empty((0, 0, 2)))
+    return body

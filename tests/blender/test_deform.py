@@ -3,84 +3,12 @@
 from __future__ import annotations
 
 import math
-from importlib import import_module
 
 import bpy
 import numpy as np
 import pytest
-import spectral_tv
-from conftest import MODULE
+from deform_scene import constrain, coordinates, empty, evaluated, handle, key_positions, members
 from mathutils import Euler, Matrix, Vector
-from shapes import dumbbell
-
-TOP, BOTTOM = 0.9, -0.9
-
-
-def coordinates(data) -> np.ndarray:
-    flat = np.empty(3 * len(data), dtype=np.float32)
-    data.foreach_get("co", flat)
-    return flat.reshape(-1, 3).astype(float)
-
-
-def key_positions(obj, name="Deformation") -> np.ndarray:
-    return coordinates(obj.data.shape_keys.key_blocks[name].data)
-
-
-def evaluated(obj) -> np.ndarray:
-    bpy.context.view_layer.update()
-    graph = bpy.context.evaluated_depsgraph_get()
-    return coordinates(obj.evaluated_get(graph).data.vertices)
-
-
-def group(obj, name: str, indices, weight: float = 1.0) -> None:
-    obj.vertex_groups.new(name=name).add([int(index) for index in indices], weight, "REPLACE")
-
-
-def empty(location=(0, 0, 0)) -> bpy.types.Object:
-    obj = bpy.data.objects.new("Handle", None)
-    obj.location = location
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.update()
-    return obj
-
-
-def constrain(obj, vertex_group: str, kind: str, **choices) -> bpy.types.PropertyGroup:
-    constraint = obj.spectral_tv.constraints.add()
-    constraint.vertex_group, constraint.kind = vertex_group, kind
-    for name, value in choices.items():
-        setattr(constraint, name, value)
-    return constraint
-
-
-@pytest.fixture
-def body():
-    """A dumbbell whose lower ball is pinned and whose upper ball's top follows an empty."""
-    vertices, faces = dumbbell(n_around=24, n_along=60)
-    mesh = bpy.data.meshes.new("Dumbbell")
-    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new("Dumbbell", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
-    group(obj, "Feet", np.flatnonzero(vertices[:, 2] < BOTTOM))
-    group(obj, "Head", np.flatnonzero(vertices[:, 2] > 1.8))
-    return obj
-
-
-@pytest.fixture
-def held(body):
-    constrain(body, "Feet", "PIN")
-    constrain(body, "Head", "OBJECT", target=empty((0, 0, 2)))
-    return body
-
-
-def handle(obj) -> bpy.types.Object:
-    return obj.spectral_tv.constraints[1].target
-
-
-def members(obj, name: str) -> np.ndarray:
-    index = obj.vertex_groups[name].index
-    return np.array([v.index for v in obj.data.vertices if any(g.group == index for g in v.groups)])
 
 
 def test_the_handle_takes_its_ball_along_and_the_neck_gives(held):
@@ -348,64 +276,3 @@ def test_constraints_are_kept_in_the_file(held, tmp_path):
     head = members(obj, "Head")
     moved = (key_positions(obj) - key_positions(obj, "Basis"))[head]
     np.testing.assert_allclose(moved, np.tile([0.5, 0, 0], (len(head), 1)), atol=1e-6)
-
-
-def test_baking_gives_each_frame_its_shape(held):
-    pivot = handle(held)
-    scene = bpy.context.scene
-    for frame, x in ((1, 0.0), (9, 0.8)):
-        pivot.location.x = x
-        pivot.keyframe_insert("location", frame=frame)
-    scene.frame_set(4)
-    for _ in range(2):  # the second replaces the first
-        assert bpy.ops.spectral_tv.bake_deformation(frame_start=1, frame_end=9, step=4) == {
-            "FINISHED"
-        }
-    assert scene.frame_current == 4
-    names = [key.name for key in held.data.shape_keys.key_blocks]
-    assert names == ["Basis", "Deformation 1", "Deformation 5", "Deformation 9"]
-    shapes = {}
-    for frame in (1, 5, 7, 9):
-        scene.frame_set(frame)
-        shapes[frame] = evaluated(held)
-        offset = pivot.matrix_world.translation.x
-        head = members(held, "Head")
-        if frame != 7:
-            moved = shapes[frame][head, 0] - key_positions(held, "Basis")[head, 0]
-            np.testing.assert_allclose(moved, offset, atol=1e-5)
-    np.testing.assert_allclose(shapes[7], (shapes[5] + shapes[9]) / 2, atol=1e-6)
-
-
-def test_a_live_deformation_follows_and_settles_at_the_optimum(held):
-    live = import_module(f"{MODULE}.live").LiveDeformation(held)
-    for _ in range(10):
-        handle(held).location += Vector((0.05, 0, 0.02))
-        bpy.context.view_layer.update()
-        assert live.update()
-        head = members(held, "Head")
-        moved = (key_positions(held) - key_positions(held, "Basis"))[head, 0]
-        np.testing.assert_allclose(moved, handle(held).location.x, atol=1e-6)
-    live.settle()
-    assert live.is_settled and not live.update()
-    settled = key_positions(held)
-    bpy.ops.spectral_tv.deform()
-    mesh = spectral_tv.Mesh(key_positions(held, "Basis"), _triangles(held))
-    values = [
-        spectral_tv.total_variation(mesh, shape - key_positions(held, "Basis"))
-        for shape in (settled, key_positions(held))
-    ]
-    assert values[0] == pytest.approx(values[1], rel=2e-3)
-
-
-def test_a_live_deformation_ends_when_the_mesh_changes(held):
-    refusal = import_module(f"{MODULE}.objects").Refusal
-    live = import_module(f"{MODULE}.live").LiveDeformation(held)
-    live.update()
-    held.data.vertices.add(1)
-    with pytest.raises(refusal, match="vertices or faces changed"):
-        live.update()
-
-
-def _triangles(obj) -> list[list[int]]:
-    obj.data.calc_loop_triangles()
-    return [list(triangle.vertices) for triangle in obj.data.loop_triangles]

@@ -3,6 +3,7 @@
 mod arrays;
 mod decomposition;
 mod deformation;
+mod deformer;
 mod error;
 mod flow;
 mod job;
@@ -23,7 +24,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<flow::Flow>()?;
     module.add_class::<decomposition::Decomposition>()?;
     module.add_class::<deformation::Deformation>()?;
-    module.add_class::<deformation::Deformer>()?;
+    module.add_class::<deformer::Deformer>()?;
     module.add_class::<job::Job>()?;
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::start_decompose, module)?)?;

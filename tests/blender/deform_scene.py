@@ -1,0 +1,66 @@
+"""A dumbbell with constraints, and what tests ask of it."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from shapes import dumbbell
+
+
+def coordinates(data) -> np.ndarray:
+    flat = np.empty(3 * len(data), dtype=np.float32)
+    data.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(float)
+
+
+def key_positions(obj, name="Deformation") -> np.ndarray:
+    return coordinates(obj.data.shape_keys.key_blocks[name].data)
+
+
+def evaluated(obj) -> np.ndarray:
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    return coordinates(obj.evaluated_get(graph).data.vertices)
+
+
+def group(obj, name: str, indices, weight: float = 1.0) -> None:
+    obj.vertex_groups.new(name=name).add([int(index) for index in indices], weight, "REPLACE")
+
+
+def empty(location=(0, 0, 0)) -> bpy.types.Object:
+    obj = bpy.data.objects.new("Handle", None)
+    obj.location = location
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def constrain(obj, vertex_group: str, kind: str, **choices) -> bpy.types.PropertyGroup:
+    constraint = obj.spectral_tv.constraints.add()
+    constraint.vertex_group, constraint.kind = vertex_group, kind
+    for name, value in choices.items():
+        setattr(constraint, name, value)
+    return constraint
+
+
+def handle(obj) -> bpy.types.Object:
+    return obj.spectral_tv.constraints[1].target
+
+
+def members(obj, name: str) -> np.ndarray:
+    index = obj.vertex_groups[name].index
+    return np.array([v.index for v in obj.data.vertices if any(g.group == index for g in v.groups)])
+
+
+def dumbbell_object() -> bpy.types.Object:
+    """A dumbbell whose lower ball is pinned and whose upper ball's top follows an empty."""
+    vertices, faces = dumbbell(n_around=24, n_along=60)
+    mesh = bpy.data.meshes.new("Dumbbell")
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    obj = bpy.data.objects.new("Dumbbell", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    group(obj, "Feet", np.flatnonzero(vertices[:, 2] < -0.9))
+    group(obj, "Head", np.flatnonzero(vertices[:, 2] > 1.8))
+    return obj
