@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import spectral_tv
 
-from . import deformation
+from . import deformation, eigenpairs, exact, growth
 from .cholmod import lagged_m1
 from .meshes import bumpy_sphere, pinched_sphere, read_ply
 from .timing import RUNS, interleaved
@@ -41,6 +41,9 @@ def main() -> None:
             *((f"pinched sphere {size}", *pinched_sphere(size)) for size in (5, 6)),
         ]
     )
+    exact.report()
+    eigenpairs.report(*(shapes[0]))
+    growth.report()
 
 
 def row(name: str, vertices: np.ndarray, triangles: np.ndarray) -> str:

@@ -9,12 +9,17 @@ import numpy as np
 
 
 def bumpy_sphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:
-    """Blender's icosphere with detail: vertices (V, 3) and triangles (F, 3)."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions + 1)
-    vertices, triangles = arrays(bpy.context.object.data)
+    """An icosphere with detail: vertices (V, 3) and triangles (F, 3)."""
+    vertices, triangles = sphere(subdivisions)
     waves = sum(np.sin(k * vertices[:, axis]) / k for axis in range(3) for k in (5, 11, 23))
     return vertices * (1 + 0.1 * waves)[:, None], triangles
+
+
+def sphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:
+    """Blender's icosphere of radius 1: vertices (V, 3) and triangles (F, 3)."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions + 1)
+    return arrays(bpy.context.object.data)
 
 
 def pinched_sphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:
