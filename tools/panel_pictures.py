@@ -14,8 +14,8 @@ PICTURES = {
     "panel_progress": ("2_progress", 84, 278),
     "panel_scales": ("panel_base_flow", 84, 430),
     "panel_bands": ("4_bands", 280, 668),
-    "panel_filters": ("4_bands", 668, 830),
-    "panel_curve": ("panel_curve", 892, 1206),
+    "panel_filters": ("4_bands", 668, 858),
+    "panel_curve": ("panel_curve", 919, 1233),
     "panel_deform": ("panel_deform", 341, 696),
 }
 

@@ -39,7 +39,7 @@ def panels() -> Steps[None]:
     yield from picture("panel_bands")
     settings().method = "M1"  # without the panel of bases there is room for the curve
     yield from away()
-    x, y = yield from find("preset='RESET'", column=0.7)
+    x, y = yield from find("spectral_tv.take_bands", column=0.7)
     yield from click(x - 60, y - NEXT_HEADER)
     yield from away()
     yield from picture("panel_curve_new")
