@@ -33,6 +33,7 @@ from spectral_tv._native import (
     start_cosegment,
     start_decompose,
     start_deform,
+    start_flow,
     total_variation,
 )
 
@@ -56,5 +57,6 @@ __all__ = [
     "start_cosegment",
     "start_decompose",
     "start_deform",
+    "start_flow",
     "total_variation",
 ]

@@ -24,6 +24,7 @@ __all__ = [
     "start_cosegment",
     "start_decompose",
     "start_deform",
+    "start_flow",
     "total_variation",
 ]
 __version__: str
@@ -61,6 +62,14 @@ class Flow:
     def total_variation(self) -> NDArray[np.float64]: ...
     @property
     def gap(self) -> NDArray[np.float64]: ...
+    @property
+    def spectrum(self) -> NDArray[np.float64]: ...
+    @property
+    def residual(self) -> NDArray[np.float64]: ...
+    def band_edges(self, count: int) -> NDArray[np.float64]: ...
+    def bands(self, edges: ArrayLike) -> NDArray[np.float64]: ...
+    def filter(self, gains: ArrayLike | Callable[[float], float]) -> NDArray[np.float64]: ...
+    def mean(self, weights: ArrayLike) -> NDArray[np.float64]: ...
 
 @final
 class Decomposition:
@@ -189,6 +198,17 @@ def flow(
     tolerance: float = 1e-3,
     solver: _Solver = "auto",
 ) -> Flow: ...
+def start_flow(
+    mesh: Mesh,
+    values: ArrayLike,
+    times: ArrayLike,
+    operator: Literal["tv", "heat"] = "tv",
+    exact: bool = False,
+    *,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    solver: _Solver = "auto",
+) -> Job: ...
 def conformal_flow(
     mesh: Mesh,
     time: float,

@@ -12,6 +12,8 @@ use crate::error::MeshError;
 /// Kinds of NumPy dtypes that hold numbers: signed, unsigned and floating.
 const NUMBERS: &str = "iuf";
 const INTEGERS: &str = "iu";
+/// The same and truth values, which count as 0 and 1.
+const WEIGHTS: &str = "iufb";
 
 /// Reads an array of numbers of any shape, dtype and layout as float64.
 fn numbers<'py>(
@@ -93,6 +95,11 @@ pub fn channels(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(Array2<f64>, 
 /// A list of numbers, (N,).
 pub fn list(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     flat(name, &numbers(name, value, NUMBERS, "float64")?)
+}
+
+/// A list of numbers or truth values, (N,).
+pub fn weights(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    flat(name, &numbers(name, value, WEIGHTS, "float64")?)
 }
 
 /// A list of indices, (N,).

@@ -12,7 +12,7 @@ use crate::error::Failure;
 use crate::flow::Flow;
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
-use crate::settings::Request;
+use crate::settings::{Request, gains as parse_gains};
 
 /// A shape split into scales by `decompose`.
 ///
@@ -48,7 +48,7 @@ impl Decomposition {
     fn flow(&self) -> Flow {
         let trajectory = self.inner.transform().trajectory().clone();
         let is_flat = trajectory.states.dim().1 == 1;
-        Flow::new(trajectory, is_flat)
+        Flow::new(trajectory, self.inner.vertex_areas().to_vec(), is_flat)
     }
 
     /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
@@ -106,15 +106,7 @@ impl Decomposition {
         py: Python<'py>,
         gains: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
-        let gains = match gains.is_callable() {
-            true => self
-                .inner
-                .component_times()
-                .iter()
-                .map(|time| gains.call1((*time,))?.extract())
-                .collect::<PyResult<Vec<f64>>>()?,
-            false => arrays::list("gains", gains)?,
-        };
+        let gains = parse_gains(gains, self.inner.component_times())?;
         let shape = py.detach(|| self.inner.filter(&gains))?;
         Ok(arrays::per_vertex(py, &shape))
     }

@@ -1,34 +1,48 @@
-//! The class `Flow` and the functions that run one flow.
+//! The class `Flow`: the states of a flow, and their spectral transform.
 
-use std::sync::Arc;
-
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use spectral_tv::Error;
-use spectral_tv::flow::{Heat, Law, TotalVariation, Trajectory, conformal_mean_curvature_flow};
-use spectral_tv::method::run_flow;
-use spectral_tv::operators::{self, Discretization};
+use spectral_tv::flow::Trajectory;
+use spectral_tv::spectral::{SpectralTransform, even_edges};
 
 use crate::arrays;
 use crate::error::Failure;
-use crate::job::Task;
-use crate::mesh::Mesh;
-use crate::settings::{scheme as parse_scheme, solver as parse_solver};
+use crate::settings::gains as parse_gains;
 
 /// A flow sampled at N + 1 times, made by `flow` or found in `Decomposition.flow`.
+///
+/// The components φ_k at the times t_1 … t_{N−1} and the residual R add up to the values that
+/// were flowed (Brokman et al. 2024, Eqs. 50 and 53), to rounding, whatever the steps. C is 1 and
+/// left out of all shapes where the values were given as (V,).
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Flow {
-    trajectory: Trajectory,
+    transform: SpectralTransform,
+    /// Areas of the vertices.
+    masses: Vec<f64>,
     /// Whether the values came as (V,) and go back as such.
     is_flat: bool,
 }
 
 impl Flow {
-    pub fn new(trajectory: Trajectory, is_flat: bool) -> Self {
+    pub fn new(trajectory: Trajectory, masses: Vec<f64>, is_flat: bool) -> Self {
         Self {
-            trajectory,
+            transform: SpectralTransform::new(trajectory),
+            masses,
             is_flat,
         }
+    }
+
+    /// (C, V) as (V, C), or as (V,).
+    fn per_vertex<'py>(
+        &self,
+        py: Python<'py>,
+        values: &ndarray::Array2<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let array = arrays::per_vertex(py, values);
+        Ok(match self.is_flat {
+            true => array.reshape([values.ncols()])?.into_any(),
+            false => array.into_any(),
+        })
     }
 }
 
@@ -37,13 +51,13 @@ impl Flow {
     /// t₀ = 0 < t₁ < … < t_N, (N+1,), length² for shapes.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.trajectory.times.clone().into_pyarray(py)
+        self.transform.times().to_vec().into_pyarray(py)
     }
 
     /// u(t_k), (N+1, V, C); (N+1, V) if the values were given as (V,).
     #[getter]
     fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let states = &self.trajectory.states;
+        let states = &self.transform.trajectory().states;
         let (nodes, channels, vertices) = states.dim();
         let array = arrays::stacked(py, nodes, vertices, channels, |k, v, c| states[[k, c, v]]);
         Ok(match self.is_flat {
@@ -55,170 +69,125 @@ impl Flow {
     /// TV(u(t_k)), (N+1,), unit of the values × length.
     #[getter]
     fn total_variation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.trajectory.total_variation.clone().into_pyarray(py)
+        let trajectory = self.transform.trajectory();
+        trajectory.total_variation.clone().into_pyarray(py)
     }
 
     /// Duality gap of each step as a proximal step of TV, relative to Δt TV at its start, (N,);
     /// 0 for linear flows, and once nothing is left to decay.
     #[getter]
     fn gap<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.trajectory.gaps.clone().into_pyarray(py)
+        self.transform.trajectory().gaps.clone().into_pyarray(py)
+    }
+
+    /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N−1, (N−1,), unit of the values × length².
+    #[getter]
+    fn spectrum<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        py.detach(|| self.transform.spectrum(&self.masses))
+            .into_pyarray(py)
+    }
+
+    /// What is left of the values once every component is removed, (V, C).
+    #[getter]
+    fn residual<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.per_vertex(py, &self.transform.residual())
+    }
+
+    /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
+    /// half-way between two times, (count+1,).
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If count is 0 or larger than the number of components, N−1.
+    fn band_edges<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+    ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        Ok(even_edges(self.transform.times(), count)?.into_pyarray(py))
+    }
+
+    /// What each band adds to the residual, (K, V, C).
+    ///
+    /// Parameters
+    /// ----------
+    /// edges : (K+1,) array
+    ///     Increasing times; component k is in [edge_i, edge_{i+1}).
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If the edges do not increase.
+    fn bands<'py>(
+        &self,
+        py: Python<'py>,
+        edges: &Bound<'py, PyAny>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let edges = arrays::list("edges", edges)?;
+        let bands = py.detach(|| self.transform.bands(&edges))?;
+        let (channels, vertices) = bands[0].dim();
+        let value = |k: usize, v: usize, c: usize| bands[k][[c, v]];
+        let array = arrays::stacked(py, bands.len(), vertices, channels, value);
+        Ok(match self.is_flat {
+            true => array.reshape([bands.len(), vertices])?.into_any(),
+            false => array.into_any(),
+        })
+    }
+
+    /// The values filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 53), (V, C).
+    ///
+    /// Parameters
+    /// ----------
+    /// gains : (N−1,) array or callable
+    ///     The values H(t_k) for k = 1 … N−1, or the function H of a time.
+    ///     1 keeps a component, 0 removes it, more amplifies it.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If there is not one finite gain per component.
+    fn filter<'py>(
+        &self,
+        py: Python<'py>,
+        gains: &Bound<'py, PyAny>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let gains = parse_gains(gains, self.transform.component_times())?;
+        let values = py.detach(|| self.transform.filter(&gains))?;
+        Ok(self.per_vertex(py, &values)?)
+    }
+
+    /// The mean value of a part of the surface at every time, (N+1, C).
+    ///
+    /// Parameters
+    /// ----------
+    /// weights : (V,) array of numbers or bools
+    ///     How much of each vertex's area counts, 0 or more; True for the vertices of a set.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If there is not one weight of 0 or more per vertex, or they give no area at all.
+    fn mean<'py>(
+        &self,
+        py: Python<'py>,
+        weights: &Bound<'py, PyAny>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let weights = arrays::weights("weights", weights)?;
+        let means = self.transform.trajectory().mean(&weights, &self.masses)?;
+        let nodes = means.nrows();
+        let array = means.into_pyarray(py);
+        Ok(match self.is_flat {
+            true => array.reshape([nodes])?.into_any(),
+            false => array.into_any(),
+        })
     }
 
     fn __repr__(&self) -> String {
-        let (nodes, channels, vertices) = self.trajectory.states.dim();
+        let (nodes, channels, vertices) = self.transform.trajectory().states.dim();
         format!(
             "Flow({} steps, {vertices} vertices, {channels} channels)",
             nodes - 1
         )
     }
-}
-
-/// Flow a function on the mesh, in the metric of the mesh.
-///
-/// Parameters
-/// ----------
-/// mesh : Mesh
-/// values : (V,) or (V, C) array
-///     The function f; the C channels of a TV flow are coupled.
-/// times : (N+1,) array
-///     Increasing, from 0. In the unit (of the values) × length for "tv", length² for "heat";
-///     both are length² where the values are lengths.
-/// operator : {"tv", "heat"}
-///     "tv" is u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), "heat" u_t = Δu (Eq. 12).
-/// exact : bool
-///     Every step a proximal step to the gap `tolerance`: eigenfunctions then decay in a
-///     straight line down to extinction.
-/// progress : callable, optional
-///     Called with the fraction done; an exception it raises ends the work.
-/// scheme : {"extrapolated", "lagged"}
-///     How steps that are not exact take their weights: at the extrapolated state with BDF2,
-///     or at the last one with backward Euler (the paper's step).
-/// tolerance : float
-///     Relative duality gap of exact steps, in (0, 1).
-/// solver : {"auto", "cholesky", "multigrid"}
-///     How the linear systems of steps are solved; see `decompose`.
-///
-/// Returns
-/// -------
-/// Flow
-///
-/// Raises
-/// ------
-/// MeshError
-///     If an argument is of the wrong shape, not finite, or out of range; says where.
-#[pyfunction]
-#[pyo3(signature = (mesh, values, times, operator = "tv", exact = false, progress = None, *,
-                    scheme = "extrapolated", tolerance = 1e-3, solver = "auto"))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "keyword arguments of a Python function"
-)]
-pub fn flow(
-    py: Python<'_>,
-    mesh: &Mesh,
-    values: &Bound<'_, PyAny>,
-    times: &Bound<'_, PyAny>,
-    operator: &str,
-    exact: bool,
-    progress: Option<&Bound<'_, PyAny>>,
-    scheme: &str,
-    tolerance: f64,
-    solver: &str,
-) -> Result<Flow, Failure> {
-    let (values, is_flat) = arrays::channels("values", values)?;
-    let times = arrays::list("times", times)?;
-    let scheme = parse_scheme(if exact { "exact" } else { scheme }, tolerance)?;
-    let solver = parse_solver(solver)?;
-    let is_tv = match operator {
-        "tv" => true,
-        "heat" => false,
-        other => {
-            let message = format!("operator must be \"tv\" or \"heat\", not {other:?}");
-            return Err(Error::Argument(message).into());
-        }
-    };
-    let mesh = Arc::clone(&mesh.inner);
-    let task = Task::start(move |monitor| {
-        let operators = Discretization::new(&mesh);
-        let law: Box<dyn Law> = match is_tv {
-            true => Box::new(TotalVariation::starting_at(&operators, values.view())?),
-            false => Box::new(Heat),
-        };
-        let stage = monitor.whole();
-        run_flow(&operators, &*law, scheme, &values, &times, solver, stage)
-    })?;
-    Ok(Flow::new(task.wait(py, progress)?, is_flat))
-}
-
-/// Conformalized mean curvature flow (Kazhdan, Solomon and Ben-Chen 2012), neither rescaled nor
-/// recentred: the smooth base that M3 uses.
-///
-/// Parameters
-/// ----------
-/// mesh : Mesh
-/// time : float
-///     How far to flow, length²; 5e-3 of the area swallows limbs.
-/// steps : int
-///     Number of equal steps.
-/// progress : callable, optional
-///     Called with the fraction done.
-/// solver : {"auto", "cholesky", "multigrid"}
-///     How the linear systems are solved; see `decompose`.
-///
-/// Returns
-/// -------
-/// (V, 3) array
-///     The smoothed positions.
-///
-/// Raises
-/// ------
-/// MeshError
-///     If time or steps are not positive.
-#[pyfunction]
-#[pyo3(signature = (mesh, time, steps = 10, progress = None, *, solver = "auto"))]
-pub fn conformal_flow<'py>(
-    py: Python<'py>,
-    mesh: &Mesh,
-    time: f64,
-    steps: usize,
-    progress: Option<&Bound<'py, PyAny>>,
-    solver: &str,
-) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
-    let solver = parse_solver(solver)?;
-    let mesh = Arc::clone(&mesh.inner);
-    let task = Task::start(move |monitor| {
-        let operators = Discretization::new(&mesh);
-        let stage = monitor.whole();
-        conformal_mean_curvature_flow(&mesh, &operators, time, steps, solver, stage)
-    })?;
-    Ok(arrays::per_vertex(py, &task.wait(py, progress)?))
-}
-
-/// Total variation of a function on the mesh: Σ_f A_f |∇u|_f, over all channels together
-/// (NETV, Brokman et al. 2024, Eq. 13).
-///
-/// Parameters
-/// ----------
-/// mesh : Mesh
-/// values : (V,) or (V, C) array
-///
-/// Returns
-/// -------
-/// float
-///     In the unit of the values × length.
-///
-/// Raises
-/// ------
-/// MeshError
-///     If the values do not have a row per vertex or are not finite.
-#[pyfunction]
-pub fn total_variation(mesh: &Mesh, values: &Bound<'_, PyAny>) -> Result<f64, Failure> {
-    let (values, _) = arrays::channels("values", values)?;
-    let operators = Discretization::new(&mesh.inner);
-    operators.check_values(values.view())?;
-    Ok(operators::total_variation(
-        operators.gradient(),
-        values.view(),
-    ))
 }

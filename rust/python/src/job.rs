@@ -102,7 +102,8 @@ pub type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
 
 /// Long work that runs in a thread of its own.
 ///
-/// Made by `start_decompose`, `start_deform` and `Deformer.start_solve`. A job that is no longer referred to cancels its work.
+/// Made by the functions whose names begin with `start_`. A job that is no longer referred to
+/// cancels its work.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Job {
     task: Task<Convert>,

@@ -156,6 +156,17 @@ pub fn solver(name: &str) -> Result<Solver, Failure> {
     }
 }
 
+/// A filter at the times of the components: its values there, or a function of a time.
+pub fn gains(gains: &Bound<'_, PyAny>, times: &[f64]) -> PyResult<Vec<f64>> {
+    match gains.is_callable() {
+        true => times
+            .iter()
+            .map(|time| gains.call1((*time,))?.extract())
+            .collect(),
+        false => arrays::list("gains", gains),
+    }
+}
+
 fn shape(value: &Bound<'_, PyAny>) -> PyResult<Array2<f64>> {
     let rows = arrays::positions("base", value)?;
     Ok(Array2::from_shape_fn((3, rows.len()), |(axis, vertex)| {

@@ -1,6 +1,6 @@
 //! The states a flow passes through, and what was measured on the way.
 
-use ndarray::{Array2, Array3, ArrayView2, Axis};
+use ndarray::{Array1, Array2, Array3, ArrayView1, ArrayView2, Axis};
 
 use crate::error::{Error, Result};
 use crate::operators::{Discretization, total_variation};
@@ -16,6 +16,38 @@ pub struct Trajectory {
     pub total_variation: Vec<f64>,
     /// Duality gap of each step relative to τ TV at its start, N; 0 for linear steps.
     pub gaps: Vec<f64>,
+}
+
+impl Trajectory {
+    /// Mean of u(t_k) over the surface weighted by `weights` (V), (N + 1, C): the value of a set
+    /// where the weights indicate it. `masses` are the V vertex areas.
+    ///
+    /// # Errors
+    /// If the weights are not V values of 0 or more, or give no area at all.
+    pub fn mean(&self, weights: &[f64], masses: &[f64]) -> Result<Array2<f64>> {
+        if weights.len() != masses.len() {
+            return Err(Error::Argument(format!(
+                "weights must have one value per vertex ({}), but has {}",
+                masses.len(),
+                weights.len()
+            )));
+        }
+        if let Some(v) = weights.iter().position(|w| !(*w >= 0.0 && w.is_finite())) {
+            return Err(Error::Argument(format!(
+                "weights[{v}] must be 0 or more and finite, not {}",
+                weights[v]
+            )));
+        }
+        let parts: Array1<f64> = weights.iter().zip(masses).map(|(w, m)| w * m).collect();
+        let total = parts.sum();
+        if total <= 0.0 {
+            return Err(Error::Argument(
+                "the weights give no vertex any area".into(),
+            ));
+        }
+        let mean = |values: ArrayView1<f64>| values.dot(&parts) / total;
+        Ok(self.states.map_axis(Axis(2), mean))
+    }
 }
 
 /// What a step arrived at.

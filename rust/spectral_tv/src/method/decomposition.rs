@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use crate::error::Result;
 use crate::method::Displacement;
-use crate::spectral::{SpectralTransform, check_edges};
+use crate::spectral::SpectralTransform;
 
 /// The spectral components of a shape, as displacements of its vertices.
 #[derive(Debug, Clone)]
@@ -69,22 +69,8 @@ impl Decomposition {
     /// # Errors
     /// If the edges do not increase.
     pub fn bands(&self, edges: &[f64]) -> Result<Vec<Array2<f64>>> {
-        check_edges(edges)?;
-        let bands = edges.windows(2).map(|edge| {
-            let gains: Vec<f64> = self
-                .component_times()
-                .iter()
-                .map(|t| {
-                    if (edge[0]..edge[1]).contains(t) {
-                        1.0
-                    } else {
-                        0.0
-                    }
-                })
-                .collect();
-            self.displace(self.transform.combination(&gains))
-        });
-        Ok(bands.collect())
+        let bands = self.transform.bands(edges)?.into_iter();
+        Ok(bands.map(|band| self.displace(band)).collect())
     }
 
     /// The shape filtered by H, given as N − 1 values H(t_k), (3, V).

@@ -4,6 +4,7 @@ use ndarray::{Array2, Axis};
 
 use crate::error::{Error, Result};
 use crate::flow::Trajectory;
+use crate::spectral::check_edges;
 
 /// The spectral components of a flow (Brokman et al. 2024, Eqs. 50 and 53).
 ///
@@ -80,6 +81,21 @@ impl SpectralTransform {
             }
         }
         sum
+    }
+
+    /// The sum of φ_k over edge_i ≤ t_k < edge_{i+1}, (C, V) for each pair of neighbouring
+    /// `edges`.
+    ///
+    /// # Errors
+    /// If the edges do not increase.
+    pub fn bands(&self, edges: &[f64]) -> Result<Vec<Array2<f64>>> {
+        check_edges(edges)?;
+        let times = self.component_times();
+        let bands = edges.windows(2).map(|edge| {
+            let inside = |t: &f64| f64::from(u8::from((edge[0]..edge[1]).contains(t)));
+            self.combination(&times.iter().map(inside).collect::<Vec<_>>())
+        });
+        Ok(bands.collect())
     }
 
     /// f^H = Σ_k H(t_k) φ_k + R, (C, V) (Brokman et al. 2024, Eq. 53).
