@@ -4,6 +4,7 @@ Panels call operators, operators run jobs, jobs call the package spectral_tv.
 """
 
 from . import (
+    attributes,
     command_line,
     constraints,
     handlers,
@@ -18,6 +19,7 @@ _PARTS = (
     properties,
     records,
     constraints,
+    attributes,
     spectrum,
     operators,
     panels,

@@ -49,6 +49,15 @@ class Surface:
         """Object-space positions of the object's vertices as positions of the mesh's."""
         return vertices[self.kept] @ self.matrix.T
 
+    def merge(self, values: np.ndarray) -> np.ndarray:
+        """Values of the object's vertices (V, C) as those of the mesh's.
+
+        Where a seam is closed, they are the means of those that are one.
+        """
+        count = np.bincount(self.place)
+        sums = [np.bincount(self.place, channel) for channel in values.T]
+        return np.column_stack(sums) / count[:, np.newaxis]
+
     def to_object(self, displacements: np.ndarray) -> np.ndarray:
         """Displacements (K, N, 3) of the mesh's vertices as those of the object's, (K, V, 3)."""
         return (displacements @ self.inverse.T)[:, self.place]

@@ -2,9 +2,31 @@
 
 import bpy
 
-from . import _job, bake_deformation, constraints, cosegment, decompose, deform, filter, live, mix
+from . import (
+    _job,
+    attributes,
+    bake_deformation,
+    constraints,
+    cosegment,
+    decompose,
+    deform,
+    filter,
+    live,
+    mix,
+)
 
-_FILES = (_job, decompose, filter, mix, constraints, deform, live, bake_deformation, cosegment)
+_FILES = (
+    _job,
+    decompose,
+    filter,
+    mix,
+    constraints,
+    deform,
+    live,
+    bake_deformation,
+    cosegment,
+    attributes,
+)
 
 register, unregister = bpy.utils.register_classes_factory(
     [cls for file in _FILES for cls in file.CLASSES]

@@ -1,0 +1,131 @@
+"""From a function on an object to its flow, and from the flow to what is written."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from .. import filter_curve
+from ..gains import curve_values, preset_values
+from ..objects import Refusal
+from ..surface import Surface
+from .outputs import BAND, REST
+from .sources import Source, read
+
+# A flow to one size starts with steps for spots so many times smaller.
+FINER = 20
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the user chose; sizes are percentages. See AttributeProperties."""
+
+    kind: str
+    source: str
+    result: str
+    law: str
+    exact: bool
+    size: float
+    finest: float
+    largest: float
+    bands: int
+    steps: int
+    preset: str
+    first: int
+    last: int
+    amount: float
+    gains: str
+    keep_rest: bool
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A function, the surface it is on, and the arguments of spectral_tv.flow after the mesh."""
+
+    source: Source
+    surface: Surface
+    arguments: dict[str, Any]
+
+
+def prepare(obj: bpy.types.Object, choice: Choice) -> Prepared:
+    """Read what is to be flowed.
+
+    Raises Refusal or spectral_tv.MeshError if the object and the choice do not go together.
+    """
+    if choice.result != "FLOW" and choice.bands >= choice.steps:
+        raise Refusal(f"{choice.bands} bands need more than {choice.steps} steps")
+    if choice.result == "FILTER":
+        _values(choice)  # refused now rather than after the work
+    source, surface = read(obj, choice.kind, choice.source), Surface.read(obj)
+    values = source.values
+    if source.kind == "KEY":  # as lengths on the surface, which is in world scale
+        values = values @ surface.matrix.T
+    values = surface.merge(values)
+    contrast = float(np.linalg.norm(np.ptp(values, axis=0)))
+    if contrast <= 1e-6 * np.abs(values).max():
+        raise Refusal(f"{source.name!r} is the same everywhere; there is nothing to flow")
+    finest, largest = choice.finest, choice.largest
+    if choice.result == "FLOW":
+        finest, largest = choice.size / FINER, choice.size
+    elif finest >= largest:
+        raise Refusal("the finest size is not below the largest")
+    size = math.sqrt(surface.mesh.area) / 100
+    ends = [_time(choice.law, percent * size, contrast) for percent in (finest, largest)]
+    return Prepared(
+        source,
+        surface,
+        {
+            "values": values,
+            "times": spectral_tv.graded_times(*ends, choice.steps),
+            "operator": choice.law.lower(),
+            "exact": choice.exact and choice.law == "TV",
+        },
+    )
+
+
+def results(prepared: Prepared, choice: Choice, flow: spectral_tv.Flow) -> dict[str, np.ndarray]:
+    """What is to be written of a flow, (V, C) on the object's vertices, by its label."""
+    if choice.result == "FLOW":
+        found = {"Flow": flow.states[-1]}
+    else:
+        bands = flow.bands(flow.band_edges(choice.bands))
+        if choice.result == "BANDS":
+            found = {f"{BAND} {number}": band for number, band in enumerate(bands, start=1)}
+            found[REST] = flow.residual
+        else:
+            filtered = np.tensordot(1 + np.array(_values(choice)), bands, axes=1)
+            found = {"Filtered": filtered + choice.keep_rest * flow.residual}
+    surface = prepared.surface
+    if prepared.source.kind == "KEY":
+        return {label: surface.to_object(each[np.newaxis])[0] for label, each in found.items()}
+    return {label: each[surface.place] for label, each in found.items()}
+
+
+def _time(law: str, length: float, contrast: float) -> float:
+    """When a round spot of this width that stands out by ``contrast`` is gone.
+
+    In the plane, by total variation, a disc of the radius r falls at the rate 2/r; by heat
+    6 % of it are left in its middle at the square of its width.
+    """
+    return contrast * length / 4 if law == "TV" else length**2
+
+
+def _values(choice: Choice) -> list[float]:
+    """What is added to every band, times the band: −1 removes it."""
+    if choice.preset == "GAINS":
+        try:
+            gains = [float(word) for word in choice.gains.replace(",", " ").split()]
+        except ValueError as error:
+            raise Refusal(f"the gains are not numbers: {choice.gains!r}") from error
+        if len(gains) != choice.bands or not np.isfinite(gains).all():
+            raise Refusal(f"{choice.bands} bands need as many gains, not {choice.gains!r}")
+        return [gain - 1 for gain in gains]
+    if choice.preset == "CURVE":
+        node = filter_curve.find()
+        if node is None:
+            raise Refusal("there is no filter curve")
+        return curve_values(lambda position: filter_curve.evaluate(node, position), choice.bands)
+    return preset_values(choice.preset, choice.bands, choice.first, choice.last, choice.amount)

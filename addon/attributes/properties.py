@@ -1,0 +1,182 @@
+"""What the user chooses of a flow on an attribute, shared by the sidebar and the operators."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from ..gains import PRESETS
+from .flows import Choice
+from .sources import KINDS, names
+
+RESULTS = (
+    ("FLOW", "Smoothed", "The values, flowed until spots of the chosen size are gone"),
+    ("FILTER", "Filtered", "The values with their bands kept, removed or amplified"),
+    ("BANDS", "Bands", "Every band of the values, and the rest; they add up to the values"),
+)
+LAWS = (
+    ("TV", "Total Variation", "Edges stay crisp: every spot keeps its outline until it is gone"),
+    ("HEAT", "Heat", "Linear diffusion, which blurs edges; for comparison"),
+)
+FILTERS = (
+    *(preset for preset in PRESETS if preset[0] != "RESET"),
+    ("GAINS", "Gains", "A gain for every band: 0 removes it, 1 keeps it, 2 doubles it"),
+    ("CURVE", "Filter Curve", "The curve of the panel Filter Curve: left is the finest band"),
+)
+SIZE = "relative to the object's size. A round spot of this width is gone"
+
+
+def _names(self: "AttributeProperties", context: bpy.types.Context, _text: str) -> list[str]:
+    obj = context.active_object
+    return names(obj, self.kind) if obj is not None and obj.type == "MESH" else []
+
+
+class AttributeProperties:
+    """What is flowed, how, and what of it is written; sizes are percentages of √ of the area."""
+
+    kind: EnumProperty(name="Flow", description="What is flowed", items=KINDS)
+    source: StringProperty(
+        name="Name", description="Which one; the active one if left empty", search=_names
+    )
+    result: EnumProperty(name="Write", description="What is written", items=RESULTS)
+    law: EnumProperty(name="By", description="How the values flow", items=LAWS)
+    exact: BoolProperty(
+        name="Exact",
+        description="Follow Total Variation exactly: spots fade in a straight line until they "
+        "are gone. Otherwise faster, and faint remains may stay",
+        default=True,
+    )
+    size: FloatProperty(
+        name="Size",
+        description=f"How far to flow, {SIZE}: with Total Variation if it stands out by the whole "
+        "range of the values, and sooner the less it does",
+        subtype="PERCENTAGE",
+        default=10,
+        min=0.01,
+        soft_max=100,
+        max=1000,
+        precision=2,
+    )
+    finest: FloatProperty(
+        name="Finest",
+        description=f"Where the first band ends, about, {SIZE} from there on",
+        subtype="PERCENTAGE",
+        default=1,
+        min=0.001,
+        soft_max=50,
+        max=1000,
+        precision=2,
+    )
+    largest: FloatProperty(
+        name="Largest",
+        description=f"Where the last band ends, {SIZE} there. What is larger stays in the rest",
+        subtype="PERCENTAGE",
+        default=40,
+        min=0.01,
+        soft_max=100,
+        max=1000,
+        precision=2,
+    )
+    bands: IntProperty(
+        name="Bands", description="Number of bands, finest first", default=5, min=1, max=32
+    )
+    steps: IntProperty(
+        name="Steps",
+        description="Number of time steps of the flow. More steps are more accurate and separate "
+        "scales more sharply",
+        default=32,
+        min=2,
+        soft_max=128,
+        max=1000,
+    )
+    preset: EnumProperty(
+        name="Filter", description="What happens to the bands", items=FILTERS, default="LOW_PASS"
+    )
+    first: IntProperty(
+        name="From", description="First of the chosen bands; 1 is the finest", default=3, min=1
+    )
+    last: IntProperty(
+        name="To", description="Last of the chosen bands; 1 is the finest", default=3, min=1
+    )
+    amount: FloatProperty(
+        name="Exaggerate by",
+        description="How much is added to the chosen bands: 1 doubles them",
+        default=1,
+        soft_min=-1,
+        soft_max=4,
+    )
+    gains: StringProperty(
+        name="Gains",
+        description="A number for every band, finest first, with spaces or commas between: "
+        "0 removes it, 1 keeps it, 2 doubles it",
+        default="0 0 1 1 1",
+    )
+    keep_rest: BoolProperty(
+        name="Keep the Rest",
+        description="Keep what no band holds: the values' largest spots and their mean",
+        default=True,
+    )
+
+    def choice(self) -> Choice:
+        """The properties as they are."""
+        names = Choice.__dataclass_fields__
+        return Choice(**{name: getattr(self, name) for name in names})
+
+    def draw_choice(self, layout: bpy.types.UILayout) -> None:
+        """Lay out what is chosen, and only what has an effect."""
+        column = layout.column()
+        column.prop(self, "kind")
+        column.prop(self, "source")
+        column.prop(self, "result")
+        column = layout.column()
+        if self.result == "FLOW":
+            column.prop(self, "size")
+        else:
+            column.prop(self, "finest")
+            column.prop(self, "largest")
+            column.prop(self, "bands")
+        if self.result == "FILTER":
+            self._draw_filter(layout.column())
+        column = layout.column()
+        column.prop(self, "law")
+        row = column.row()
+        row.active = self.law == "TV"
+        row.prop(self, "exact")
+        column.prop(self, "steps")
+
+    def _draw_filter(self, column: bpy.types.UILayout) -> None:
+        column.prop(self, "preset")
+        if self.preset == "GAINS":
+            column.prop(self, "gains")
+        elif self.preset != "CURVE":
+            column.prop(self, "first")
+            column.prop(self, "last")
+        if self.preset == "EXAGGERATE":
+            column.prop(self, "amount")
+        column.prop(self, "keep_rest")
+
+    def copy_to(self, other: bpy.types.OperatorProperties) -> None:
+        """Set the same properties of ``other``."""
+        for name in AttributeProperties.__annotations__:
+            setattr(other, name, getattr(self, name))
+
+
+class SpectralTVAttributes(AttributeProperties, bpy.types.PropertyGroup):
+    """The choices in the sidebar, kept with the scene."""
+
+
+def register() -> None:
+    """Register the choices, on every scene."""
+    bpy.utils.register_class(SpectralTVAttributes)
+    bpy.types.Scene.spectral_tv_attributes = PointerProperty(type=SpectralTVAttributes)
+
+
+def unregister() -> None:
+    """Unregister them; files keep what they hold."""
+    del bpy.types.Scene.spectral_tv_attributes
+    bpy.utils.unregister_class(SpectralTVAttributes)

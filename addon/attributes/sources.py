@@ -1,0 +1,169 @@
+"""What can be flowed: attributes, vertex groups and shape keys, as values of the vertices."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..objects import Refusal
+from ..records import coordinates
+from ..surface import basis_coordinates
+
+KINDS = (
+    ("ATTRIBUTE", "Attribute", "An attribute of the mesh", "SPREADSHEET", 0),
+    ("COLOR", "Color Attribute", "A color attribute of the mesh", "COLOR", 1),
+    ("GROUP", "Vertex Group", "The weights of a vertex group", "GROUP_VERTEX", 2),
+    ("KEY", "Shape Key", "How far a shape key moves the vertices from Basis", "SHAPEKEY_DATA", 3),
+)
+# Of every type of attribute that can be flowed: where its data are, how many, and their dtype.
+TYPES = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int8),
+    "BOOLEAN": ("value", 1, bool),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
+}
+COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A function on the vertices of an object: ``values`` (V, C), C being 1 for a scalar.
+
+    Of colours red, green and blue are the values, and ``alpha`` (V,) is kept as it is; of shape
+    keys the displacements from Basis, in object space.
+    """
+
+    kind: str
+    name: str
+    values: np.ndarray
+    alpha: np.ndarray | None = None
+
+
+def names(obj: bpy.types.Object, kind: str) -> list[str]:
+    """Names of what can be flowed."""
+    mesh = obj.data
+    if kind == "GROUP":
+        return [group.name for group in obj.vertex_groups]
+    if kind == "KEY":
+        keys = mesh.shape_keys
+        return [] if keys is None else [k.name for k in keys.key_blocks if k != keys.reference_key]
+    return [
+        attribute.name
+        for attribute in mesh.attributes
+        if not attribute.name.startswith(".")
+        and (
+            attribute.data_type in COLORS or (kind == "ATTRIBUTE" and attribute.data_type in TYPES)
+        )
+        and not _why_not(attribute)
+    ]
+
+
+def read(obj: bpy.types.Object, kind: str, name: str) -> Source:
+    """Read what ``name`` says, or the active one of its kind where it says nothing.
+
+    Raises Refusal if there is none, or it is no function on the surface.
+    """
+    name = name or _active(obj, kind)
+    if not name:
+        raise Refusal(f"there is no active {_label(kind)}; choose one")
+    alpha = None
+    if kind == "GROUP":
+        values = _group(obj, name)
+    elif kind == "KEY":
+        values = _key(obj, name)
+    else:
+        values = _attribute(obj.data, name, kind)
+        if values.shape[1] == 4:
+            values, alpha = values[:, :3], values[:, 3]
+    broken = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if len(broken):
+        raise Refusal(f"{name!r} is not a finite number at vertex {broken[0]}")
+    return Source("ATTRIBUTE" if kind == "COLOR" else kind, name, values, alpha)
+
+
+def _label(kind: str) -> str:
+    return next(label for each, label, *_ in KINDS if each == kind).lower()
+
+
+def _active(obj: bpy.types.Object, kind: str) -> str:
+    active = {
+        "ATTRIBUTE": lambda: obj.data.attributes.active,
+        "COLOR": lambda: obj.data.color_attributes.active_color,
+        "GROUP": lambda: obj.vertex_groups.active,
+        "KEY": lambda: obj.active_shape_key,
+    }[kind]()
+    return "" if active is None else active.name
+
+
+def _group(obj: bpy.types.Object, name: str) -> np.ndarray:
+    group = obj.vertex_groups.get(name)
+    if group is None:
+        raise Refusal(f"there is no vertex group {name!r}")
+    values = np.zeros((len(obj.data.vertices), 1))
+    for vertex in obj.data.vertices:
+        for membership in vertex.groups:
+            if membership.group == group.index:
+                values[vertex.index] = membership.weight
+    return values
+
+
+def _key(obj: bpy.types.Object, name: str) -> np.ndarray:
+    keys = obj.data.shape_keys
+    key = None if keys is None else keys.key_blocks.get(name)
+    if key is None:
+        raise Refusal(f"there is no shape key {name!r}")
+    if key == keys.reference_key:
+        raise Refusal(f"{name!r} is the shape that others are measured from; choose another key")
+    shape = coordinates(key.data).reshape(-1, 3).astype(np.float64)
+    return shape - basis_coordinates(obj.data)
+
+
+def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
+    attribute = mesh.attributes.get(name)
+    if attribute is None or (kind == "COLOR" and attribute.data_type not in COLORS):
+        raise Refusal(f"there is no {_label(kind)} {name!r}")
+    reason = _why_not(attribute)
+    if reason:
+        raise Refusal(f"the attribute {name!r} {reason}")
+    field, channels, dtype = TYPES[attribute.data_type]
+    flat = np.empty(channels * len(attribute.data), dtype=dtype)
+    attribute.data.foreach_get(field, flat)
+    values = flat.reshape(-1, channels).astype(np.float64)
+    if attribute.domain == "POINT":
+        return values
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    if attribute.domain == "CORNER":
+        return _means(corners, np.ones(len(corners)), values, len(mesh.vertices))
+    sizes = np.empty(len(mesh.polygons), dtype=np.int32)
+    areas = np.empty(len(mesh.polygons), dtype=np.float32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    mesh.polygons.foreach_get("area", areas)
+    # A face without area still has a say where it is alone.
+    areas = np.maximum(areas, np.finfo(np.float32).tiny)
+    face = np.repeat(np.arange(len(sizes)), sizes)
+    return _means(corners, areas[face], values[face], len(mesh.vertices))
+
+
+def _means(vertices: np.ndarray, weights: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
+    """Weighted means of the values that belong to every vertex; 0 where none do."""
+    total = np.bincount(vertices, weights, count)
+    sums = [np.bincount(vertices, weights * channel, count) for channel in values.T]
+    return np.column_stack(sums) / np.where(total > 0, total, 1)[:, np.newaxis]
+
+
+def _why_not(attribute: bpy.types.Attribute) -> str:
+    """Why an attribute is no function on the surface; empty if it is."""
+    if attribute.data_type not in TYPES:
+        return "has no numbers that could be flowed"
+    if attribute.domain == "EDGE":
+        return "is on edges; convert it to vertices first"
+    if attribute.domain == "CORNER" and attribute.data_type == "FLOAT2":
+        return "is a UV map, which is torn at its seams; convert it to vertices first"
+    if attribute.domain not in ("POINT", "CORNER", "FACE"):
+        return "is not on the vertices or faces"
+    return ""
