@@ -9,6 +9,7 @@ __all__ = [
     "Decomposition",
     "Deformation",
     "Deformer",
+    "EigensetTest",
     "Flow",
     "Job",
     "Mesh",
@@ -19,11 +20,13 @@ __all__ = [
     "decompose",
     "default_scales",
     "deform",
+    "eigenset_test",
     "flow",
     "graded_times",
     "start_cosegment",
     "start_decompose",
     "start_deform",
+    "start_eigenset_test",
     "start_flow",
     "total_variation",
 ]
@@ -123,6 +126,33 @@ class Deformer:
     ) -> Job: ...
 
 @final
+class EigensetTest:
+    @property
+    def area(self) -> float: ...
+    @property
+    def perimeter(self) -> float: ...
+    @property
+    def eigenvalue(self) -> float: ...
+    @property
+    def rate(self) -> float: ...
+    @property
+    def straightness(self) -> float: ...
+    @property
+    def spread(self) -> float: ...
+    @property
+    def times(self) -> NDArray[np.float64]: ...
+    @property
+    def values(self) -> NDArray[np.float64]: ...
+    @property
+    def perimeter_ratio(self) -> float: ...
+    @property
+    def superset(self) -> NDArray[np.bool_]: ...
+    @property
+    def minimal_perimeter(self) -> bool: ...
+    @property
+    def is_eigenset(self) -> bool: ...
+
+@final
 class Job:
     @property
     def progress(self) -> float: ...
@@ -186,6 +216,10 @@ def start_deform(
     tolerance: float = 1e-3,
     algorithm: _Algorithm = "convex",
 ) -> Job: ...
+def eigenset_test(
+    mesh: Mesh, members: ArrayLike, progress: _Progress | None = None
+) -> EigensetTest: ...
+def start_eigenset_test(mesh: Mesh, members: ArrayLike) -> Job: ...
 def flow(
     mesh: Mesh,
     values: ArrayLike,

@@ -102,6 +102,25 @@ pub fn weights(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     flat(name, &numbers(name, value, WEIGHTS, "float64")?)
 }
 
+/// A set of `count` elements: truth values or numbers, from 0.5 on; or integers, its indices.
+pub fn set(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<bool>> {
+    if let Ok(indices) = indices(name, value) {
+        let mut set = vec![false; count];
+        for index in indices {
+            let inside = usize::try_from(index).ok().and_then(|i| set.get_mut(i));
+            *inside.ok_or_else(|| {
+                MeshError::new_err(format!(
+                    "{name} has the index {index}, but the vertices are 0 to {}",
+                    count.saturating_sub(1)
+                ))
+            })? = true;
+        }
+        return Ok(set);
+    }
+    let values = weights(name, value)?;
+    Ok(values.iter().map(|&value| value >= 0.5).collect())
+}
+
 /// A list of indices, (N,).
 pub fn indices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<i64>> {
     // An empty list has no dtype that says integer.

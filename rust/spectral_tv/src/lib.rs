@@ -7,11 +7,12 @@
 //! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
 //!
 //! [`deformation`] stands beside the flows, on [`minimization`]; [`segmentation`] is of what
-//! [`method`] gives.
+//! [`method`] gives; [`eigenset`] tests sets by their [`flow`].
 
 #![forbid(unsafe_code)]
 
 pub mod deformation;
+pub mod eigenset;
 pub mod error;
 pub mod flow;
 pub mod mesh;

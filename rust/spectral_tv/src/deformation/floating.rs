@@ -2,11 +2,10 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use ndarray::Array2;
-use petgraph::unionfind::UnionFind;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use crate::mesh::TriangleMesh;
+use crate::mesh::{TriangleMesh, connected_components};
 
 /// Iterations of the polar decomposition, which starts from no rotation.
 const ROTATION_ITERATIONS: usize = 100;
@@ -80,19 +79,6 @@ impl Floating {
             }
         }
     }
-}
-
-/// A label for every vertex that is the same within a connected component. A triangle without
-/// area connects nothing; a vertex in no other is a component of its own.
-fn connected_components(mesh: &TriangleMesh) -> Vec<u32> {
-    let mut components = UnionFind::new(mesh.vertex_count());
-    for (&[i, j, k], &area) in mesh.triangles().iter().zip(mesh.face_areas()) {
-        if area > 0.0 {
-            components.union(i, j);
-            components.union(j, k);
-        }
-    }
-    components.into_labeling()
 }
 
 fn followers(mesh: &TriangleMesh, components: &[u32], is_floating: &[bool]) -> Vec<Vec<Follower>> {

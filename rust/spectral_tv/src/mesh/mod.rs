@@ -1,8 +1,10 @@
 //! The triangle mesh every flow runs on: validated once, immutable afterwards.
 
+mod components;
 mod intrinsic;
 
 use crate::error::{Error, Result};
+pub(crate) use components::connected_components;
 use intrinsic::{face_area, mollified_edge_lengths};
 
 /// A triangle mesh with V vertices and F triangles, and the metric g₀ of its shape.
