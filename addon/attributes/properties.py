@@ -169,6 +169,10 @@ class AttributeProperties:
 class SpectralTVAttributes(AttributeProperties, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
 
+    group: StringProperty(
+        name="Set", description="The vertex group to test; the active one if left empty"
+    )
+
 
 def register() -> None:
     """Register the choices, on every scene."""

@@ -10,6 +10,7 @@ from . import (
     cosegment,
     decompose,
     deform,
+    eigenset,
     filter,
     live,
     mix,
@@ -26,6 +27,7 @@ _FILES = (
     bake_deformation,
     cosegment,
     attributes,
+    eigenset,
 )
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -5,6 +5,7 @@ import bpy
 from .. import jobs
 from ..objects import refusal
 from ..operators.attributes import SPECTRAL_TV_OT_flow_attribute
+from ..operators.eigenset import SPECTRAL_TV_OT_test_eigenset
 from ._sidebar import Sidebar, draw_progress, say
 
 
@@ -36,4 +37,21 @@ class SPECTRAL_TV_PT_attributes(Sidebar, bpy.types.Panel):
         settings.copy_to(operator)
 
 
-CLASSES = (SPECTRAL_TV_PT_attributes,)
+class SPECTRAL_TV_PT_eigenset(Sidebar, bpy.types.Panel):
+    """Whether a vertex group fades as a whole"""
+
+    bl_label = "Eigenset Test"
+    bl_parent_id = "SPECTRAL_TV_PT_attributes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.spectral_tv_attributes
+        layout.prop_search(settings, "group", context.active_object, "vertex_groups")
+        operator = layout.operator(SPECTRAL_TV_OT_test_eigenset.bl_idname, icon="VIEWZOOM")
+        operator.group = settings.group
+
+
+CLASSES = (SPECTRAL_TV_PT_attributes, SPECTRAL_TV_PT_eigenset)
