@@ -6,6 +6,7 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
+from .lettering import mask
 from .records import SpectralTVRecord
 
 # Drawn at half that size where the interface is not scaled.
@@ -13,8 +14,6 @@ SIDE = 264
 SWATCH = 32
 GROUNDS = ((0.16, 0.16, 0.16, 1.0), (0.21, 0.21, 0.21, 1.0))
 INK = (0.75, 0.75, 0.75, 1.0)
-# Rows of 3 pixels from the top, as octal digits.
-DIGITS = ("75557", "26227", "71747", "71717", "55711", "74717", "74757", "71122", "75757", "75717")
 PIXEL = 4
 # Hues of the finest and the largest band.
 HUES = (0.57, 0.06)
@@ -77,15 +76,12 @@ def picture(record: SpectralTVRecord) -> np.ndarray:
 
 def _write(image: np.ndarray, text: str, left: int, right: int) -> None:
     """Write a number at the top between two columns, if there is room for it."""
-    width = (4 * len(text) - 1) * PIXEL
+    ink = mask(text, PIXEL)
+    width = ink.shape[1]
     if right - left < width + PIXEL:
         return
     x = (left + right - width) // 2
-    for digit in text:
-        rows = [[int(row) >> 2 & 1, int(row) >> 1 & 1, int(row) & 1] for row in DIGITS[int(digit)]]
-        ink = np.kron(np.flipud(rows), np.ones((PIXEL, PIXEL))) > 0
-        image[-7 * PIXEL : -2 * PIXEL, x : x + 3 * PIXEL][ink] = INK
-        x += 4 * PIXEL
+    image[-7 * PIXEL : -2 * PIXEL, x : x + width][ink] = INK
 
 
 def _add(name: str, image: np.ndarray) -> None:

@@ -50,8 +50,8 @@ class Prepared:
     arguments: dict[str, Any]
 
 
-def prepare(obj: bpy.types.Object, choice: Choice) -> Prepared:
-    """Read what is to be flowed.
+def prepare(obj: bpy.types.Object, choice: Choice, is_even: bool = False) -> Prepared:
+    """Read what is to be flowed, in even steps or in steps that grow with the time.
 
     Raises Refusal or spectral_tv.MeshError if the object and the choice do not go together.
     """
@@ -74,12 +74,13 @@ def prepare(obj: bpy.types.Object, choice: Choice) -> Prepared:
         raise Refusal("the finest size is not below the largest")
     size = math.sqrt(surface.mesh.area) / 100
     ends = [_time(choice.law, percent * size, contrast) for percent in (finest, largest)]
+    times = spectral_tv.graded_times(*ends, choice.steps)
     return Prepared(
         source,
         surface,
         {
             "values": values,
-            "times": spectral_tv.graded_times(*ends, choice.steps),
+            "times": np.linspace(0, ends[1], choice.steps + 1) if is_even else times,
             "operator": choice.law.lower(),
             "exact": choice.exact and choice.law == "TV",
         },

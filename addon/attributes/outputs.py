@@ -29,6 +29,8 @@ class SpectralTVMesh(bpy.types.PropertyGroup):
     """What a mesh remembers of flows on its attributes."""
 
     outputs: CollectionProperty(type=SpectralTVOutput)
+    table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
+    picture: PointerProperty(type=bpy.types.Image, name="Picture", description="Of the same")
 
 
 def write(obj: bpy.types.Object, source: Source, results: dict[str, np.ndarray]) -> list[str]:

@@ -11,6 +11,7 @@ from bpy.props import (
 )
 
 from ..gains import PRESETS
+from .curves import PARTS
 from .flows import Choice
 from .sources import KINDS, names
 
@@ -166,7 +167,21 @@ class AttributeProperties:
             setattr(other, name, getattr(self, name))
 
 
-class SpectralTVAttributes(AttributeProperties, bpy.types.PropertyGroup):
+class MeasureProperties:
+    """Whose values over time are told."""
+
+    parts: EnumProperty(name="Values of", description="Whose values are told", items=PARTS)
+    groups: StringProperty(
+        name="Groups",
+        description="Vertex groups, with commas between; all but those written here if empty",
+    )
+
+    def copy_measure_to(self, other: bpy.types.OperatorProperties) -> None:
+        """Set the same properties of ``other``."""
+        other.parts, other.groups = self.parts, self.groups
+
+
+class SpectralTVAttributes(AttributeProperties, MeasureProperties, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
 
     group: StringProperty(

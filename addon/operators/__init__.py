@@ -14,6 +14,7 @@ from . import (
     filter,
     live,
     mix,
+    values,
 )
 
 _FILES = (
@@ -28,6 +29,7 @@ _FILES = (
     cosegment,
     attributes,
     eigenset,
+    values,
 )
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -6,6 +6,7 @@ from .. import jobs
 from ..objects import refusal
 from ..operators.attributes import SPECTRAL_TV_OT_flow_attribute
 from ..operators.eigenset import SPECTRAL_TV_OT_test_eigenset
+from ..operators.values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
 from ._sidebar import Sidebar, draw_progress, say
 
 
@@ -37,6 +38,34 @@ class SPECTRAL_TV_PT_attributes(Sidebar, bpy.types.Panel):
         settings.copy_to(operator)
 
 
+class SPECTRAL_TV_PT_values(Sidebar, bpy.types.Panel):
+    """How values fall while they flow"""
+
+    bl_label = "Values over Time"
+    bl_parent_id = "SPECTRAL_TV_PT_attributes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.spectral_tv_attributes
+        layout.prop(settings, "size")
+        layout.prop(settings, "parts")
+        row = layout.row()
+        row.active = settings.parts == "GROUPS"
+        row.prop(settings, "groups")
+        row = layout.row(align=True)
+        operator = row.operator(SPECTRAL_TV_OT_plot_values.bl_idname, icon="FCURVE")
+        settings.copy_to(operator)
+        settings.copy_measure_to(operator)
+        row.operator(SPECTRAL_TV_OT_export_values.bl_idname, icon="EXPORT")
+        picture = context.active_object.data.spectral_tv.picture
+        if picture is not None and picture.preview is not None:
+            layout.template_icon(picture.preview.icon_id, scale=9)
+            layout.label(text=picture.name, icon="IMAGE_DATA")
+
+
 class SPECTRAL_TV_PT_eigenset(Sidebar, bpy.types.Panel):
     """Whether a vertex group fades as a whole"""
 
@@ -54,4 +83,4 @@ class SPECTRAL_TV_PT_eigenset(Sidebar, bpy.types.Panel):
         operator.group = settings.group
 
 
-CLASSES = (SPECTRAL_TV_PT_attributes, SPECTRAL_TV_PT_eigenset)
+CLASSES = (SPECTRAL_TV_PT_attributes, SPECTRAL_TV_PT_values, SPECTRAL_TV_PT_eigenset)

@@ -20,6 +20,7 @@ FILES = {
     "README.md-1": ["monkey.blend"],
     "scripting.md-1": ["smooth.blend"],
     "scripting.md-2": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+    "scripting.md-4": ["mask.blend", "mask.csv"],
 }
 
 
