@@ -29,13 +29,7 @@ def prepare(
             targets.append(deformable.targets(obj))
     finally:
         scene.frame_set(frame, subframe=subframe)
-    deformer = spectral_tv.Deformer(
-        deformable.surface.mesh,
-        deformable.indices,
-        deformable.handles.weights,
-        deformable.softness(deformation_of(obj).softness),
-    )
-    return deformable, targets, deformer
+    return deformable, targets, deformable.deformer(obj)
 
 
 def write(

@@ -42,6 +42,11 @@ class Deformable:
         """A percentage of the object's size as a length."""
         return percent / 100 * float(np.sqrt(self.surface.mesh.area))
 
+    def deformer(self, obj: bpy.types.Object) -> spectral_tv.Deformer:
+        """What deforms the surface again and again, as soft as ``obj`` says."""
+        softness = self.softness(deformation_of(obj).softness)
+        return spectral_tv.Deformer(self.surface.mesh, self.indices, self.handles.weights, softness)
+
     def displacement(self, result: spectral_tv.Deformation) -> np.ndarray:
         """What a result moves every vertex of the object by, in object space, (V, 3)."""
         moved = result.vertices - self.surface.mesh.vertices

@@ -4,7 +4,6 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .constraints import deformation_of
 from .deformation import Deformable, write
 from .objects import Refusal, refusal
 
@@ -22,12 +21,7 @@ class LiveDeformation:
         self._name = obj.name
         self._counts = _counts(obj)
         self._deformable = Deformable.read(obj)
-        self._deformer = spectral_tv.Deformer(
-            self._deformable.surface.mesh,
-            self._deformable.indices,
-            self._deformable.handles.weights,
-            self._deformable.softness(deformation_of(obj).softness),
-        )
+        self._deformer = self._deformable.deformer(obj)
         self._targets: np.ndarray | None = None
         self._job: spectral_tv.Job | None = None
         self._coarse = 0

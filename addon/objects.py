@@ -7,6 +7,11 @@ class Refusal(Exception):
     """The object or a setting cannot be used; the message tells the user why."""
 
 
+def is_mesh(obj: bpy.types.Object | None) -> bool:
+    """Whether there is an object and it is a mesh."""
+    return obj is not None and obj.type == "MESH"
+
+
 def refusal(obj: bpy.types.Object | None, edit_mode: bool = False) -> str | None:
     """Why ``obj`` cannot be worked on, in a sentence for the user; None if it can.
 

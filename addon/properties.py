@@ -14,6 +14,14 @@ from .segments import OUTPUTS
 from .settings import BASES, METHODS, Settings
 
 
+def copy_choices(
+    kind: type, source: bpy.types.PropertyGroup, target: bpy.types.OperatorProperties
+) -> None:
+    """Give ``target`` the properties that ``kind``, a class of both, declares."""
+    for name in kind.__annotations__:
+        setattr(target, name, getattr(source, name))
+
+
 class DecompositionProperties:
     """What the user chooses; sizes are percentages of the object's size (√ of its area)."""
 
@@ -95,11 +103,6 @@ class DecompositionProperties:
             vertex_group=self.vertex_group,
         )
 
-    def copy_to(self, other: bpy.types.OperatorProperties) -> None:
-        """Set the same properties of ``other``."""
-        for name in DecompositionProperties.__annotations__:
-            setattr(other, name, getattr(self, name))
-
 
 class SpectralTVScene(DecompositionProperties, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
@@ -143,11 +146,6 @@ class SegmentationProperties:
         options={"ENUM_FLAG"},
         default={"COLOR", "GROUPS"},
     )
-
-    def copy_to(self, other: bpy.types.OperatorProperties) -> None:
-        """Set the same properties of ``other``."""
-        for name in SegmentationProperties.__annotations__:
-            setattr(other, name, getattr(self, name))
 
 
 class SpectralTVSegmentation(SegmentationProperties, bpy.types.PropertyGroup):

@@ -161,11 +161,6 @@ class AttributeProperties:
             column.prop(self, "amount")
         column.prop(self, "keep_rest")
 
-    def copy_to(self, other: bpy.types.OperatorProperties) -> None:
-        """Set the same properties of ``other``."""
-        for name in AttributeProperties.__annotations__:
-            setattr(other, name, getattr(self, name))
-
 
 class MeasureProperties:
     """Whose values over time are told."""
@@ -175,10 +170,6 @@ class MeasureProperties:
         name="Groups",
         description="Vertex groups, with commas between; all but those written here if empty",
     )
-
-    def copy_measure_to(self, other: bpy.types.OperatorProperties) -> None:
-        """Set the same properties of ``other``."""
-        other.parts, other.groups = self.parts, self.groups
 
 
 class SpectralTVAttributes(AttributeProperties, MeasureProperties, bpy.types.PropertyGroup):

@@ -44,7 +44,10 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
         share = 0.95 / len(prepared)
         splits = []
         for index, (_, surface, _) in enumerate(prepared):
-            told = lambda fraction, index=index: progress(share * (index + fraction))  # noqa: E731
+
+            def told(fraction: float, before: int = index) -> None:
+                progress(share * (before + fraction))
+
             splits.append(
                 spectral_tv.decompose(surface.mesh, METHOD, steps=self.steps, progress=told)
             )

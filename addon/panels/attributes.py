@@ -3,10 +3,12 @@
 import bpy
 
 from .. import jobs
-from ..objects import refusal
+from ..attributes.properties import AttributeProperties, MeasureProperties
+from ..objects import is_mesh, refusal
 from ..operators.attributes import SPECTRAL_TV_OT_flow_attribute
 from ..operators.eigenset import SPECTRAL_TV_OT_test_eigenset
 from ..operators.values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
+from ..properties import copy_choices
 from ._sidebar import Sidebar, draw_progress, say
 
 
@@ -18,7 +20,7 @@ class SPECTRAL_TV_PT_attributes(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.active_object is not None and context.active_object.type == "MESH"
+        return is_mesh(context.active_object)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -35,7 +37,7 @@ class SPECTRAL_TV_PT_attributes(Sidebar, bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_flow_attribute.bl_idname, icon="MOD_SMOOTH")
-        settings.copy_to(operator)
+        copy_choices(AttributeProperties, settings, operator)
 
 
 class SPECTRAL_TV_PT_values(Sidebar, bpy.types.Panel):
@@ -57,8 +59,8 @@ class SPECTRAL_TV_PT_values(Sidebar, bpy.types.Panel):
         row.prop(settings, "groups")
         row = layout.row(align=True)
         operator = row.operator(SPECTRAL_TV_OT_plot_values.bl_idname, icon="FCURVE")
-        settings.copy_to(operator)
-        settings.copy_measure_to(operator)
+        copy_choices(AttributeProperties, settings, operator)
+        copy_choices(MeasureProperties, settings, operator)
         row.operator(SPECTRAL_TV_OT_export_values.bl_idname, icon="EXPORT")
         picture = context.active_object.data.spectral_tv.picture
         if picture is not None and picture.preview is not None:

@@ -5,6 +5,7 @@ import bpy
 from .. import jobs
 from ..objects import refusal
 from ..operators.decompose import SPECTRAL_TV_OT_decompose
+from ..properties import DecompositionProperties, copy_choices
 from ._sidebar import Sidebar, draw_progress, say
 
 
@@ -38,7 +39,7 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")
-        settings.copy_to(operator)
+        copy_choices(DecompositionProperties, settings, operator)
 
 
 class SPECTRAL_TV_PT_scales(Sidebar, bpy.types.Panel):

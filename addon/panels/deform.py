@@ -4,6 +4,7 @@ import bpy
 
 from .. import constraints, jobs
 from ..deformation import deform_refusal
+from ..objects import is_mesh
 from ..operators.bake_deformation import SPECTRAL_TV_OT_bake_deformation
 from ..operators.constraints import (
     SPECTRAL_TV_OT_constraint_add,
@@ -46,12 +47,12 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _is_mesh(context.active_object) or SPECTRAL_TV_OT_deform_live.is_running()
+        return is_mesh(context.active_object) or SPECTRAL_TV_OT_deform_live.is_running()
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         obj = context.active_object
-        if not _is_mesh(obj):  # a handle is being dragged
+        if not is_mesh(obj):  # a handle is being dragged
             text = f"End Live of {SPECTRAL_TV_OT_deform_live.object_name()}"
             row = layout.row()
             row.scale_y = 1.4
@@ -124,7 +125,7 @@ class SPECTRAL_TV_PT_bake_deformation(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _is_mesh(context.active_object)
+        return is_mesh(context.active_object)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -139,10 +140,6 @@ class SPECTRAL_TV_PT_bake_deformation(Sidebar, bpy.types.Panel):
         bake = layout.operator(SPECTRAL_TV_OT_bake_deformation.bl_idname, icon="ACTION")
         bake.frame_start, bake.frame_end = scene.frame_start, scene.frame_end
         bake.step = deformation.bake_step
-
-
-def _is_mesh(obj: bpy.types.Object | None) -> bool:
-    return obj is not None and obj.type == "MESH"
 
 
 CLASSES = (

@@ -3,8 +3,9 @@
 import bpy
 
 from .. import jobs
-from ..objects import refusal
+from ..objects import is_mesh, refusal
 from ..operators.cosegment import SPECTRAL_TV_OT_cosegment, chosen
+from ..properties import SegmentationProperties, copy_choices
 from ._sidebar import Sidebar, draw_progress, say
 
 
@@ -16,7 +17,7 @@ class SPECTRAL_TV_PT_segment(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.active_object is not None and context.active_object.type == "MESH"
+        return is_mesh(context.active_object)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -39,7 +40,7 @@ class SPECTRAL_TV_PT_segment(Sidebar, bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_cosegment.bl_idname, icon="COLOR")
-        settings.copy_to(operator)
+        copy_choices(SegmentationProperties, settings, operator)
 
 
 CLASSES = (SPECTRAL_TV_PT_segment,)

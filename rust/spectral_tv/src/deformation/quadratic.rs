@@ -5,7 +5,7 @@ use sprs::CsMatI;
 
 use crate::deformation::problem::Problem;
 use crate::error::Result;
-use crate::operators::element_stiffness;
+use crate::operators::{element_stiffness, pin};
 use crate::solver::Cholesky;
 
 /// ½⟨d, K d⟩ + ½ Σ s κ |d − c|² − ⟨f, d⟩ over the displacements that are given at fixed vertices.
@@ -25,14 +25,11 @@ impl<'a> Quadratic<'a> {
     pub fn new(problem: Problem<'a>, matrix: CsMatI<f64, u32>, spring_scale: f64) -> Result<Self> {
         let mut system = matrix.clone();
         for (column, mut entries) in system.outer_iterator_mut().enumerate() {
-            for (row, value) in entries.iter_mut() {
-                if problem.fixed[row] || problem.fixed[column] {
-                    *value = if row == column { 1.0 } else { 0.0 };
-                } else if row == column {
-                    *value += spring_scale * problem.targets.springs[row];
-                }
+            if let Some(diagonal) = entries.get_mut(column) {
+                *diagonal += spring_scale * problem.targets.springs[column];
             }
         }
+        pin(problem.fixed, &mut system);
         let mut cholesky = Cholesky::analyse(&system)?;
         cholesky.factorize(&system)?;
         Ok(Self {

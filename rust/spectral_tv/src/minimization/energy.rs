@@ -155,7 +155,8 @@ impl Energy<'_> {
         }
     }
 
-    fn gradients(&self, values: ArrayView2<f64>) -> TangentField {
+    /// The gradients of `values` (C, V), channel by channel.
+    pub(super) fn gradients(&self, values: ArrayView2<f64>) -> TangentField {
         let gradient = self.operators.gradient();
         values
             .rows()

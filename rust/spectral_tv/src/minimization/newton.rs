@@ -10,7 +10,7 @@ use sprs::CsMatI;
 use crate::error::Result;
 use crate::minimization::energy::{Energy, Slope};
 use crate::minimization::fields::{TangentField, clipping_factors, inner_products};
-use crate::operators::{Discretization, FaceVector, element_stiffness};
+use crate::operators::{Discretization, FaceVector, element_stiffness, pin};
 use crate::solver::{Cholesky, conjugate_gradients};
 
 /// Relative accuracy of the inner conjugate gradients, where channels are coupled.
@@ -93,7 +93,7 @@ impl PrimalDualNewton {
         let pattern = energy.operators.pattern();
         let gradient = energy.operators.gradient();
         pattern.assemble(gradient, energy.masses, stiffness, &mut self.system);
-        pattern.pin(energy.fixed, &mut self.system);
+        pin(energy.fixed, &mut self.system);
         self.cholesky.factorize(&self.system)
     }
 
@@ -130,12 +130,7 @@ impl PrimalDualNewton {
 
     /// z ← w (∇u + ∇δ − w ⟨∇u, ∇δ⟩ z), w = 1/|∇u|_ε; on steep faces w (∇u + ∇δ).
     pub fn update_dual(&mut self, energy: &Energy, slope: &Slope, direction: &Array2<f64>) {
-        let gradient = energy.operators.gradient();
-        let changes: Vec<_> = direction
-            .rows()
-            .into_iter()
-            .map(|d| gradient.apply(d))
-            .collect();
+        let changes = energy.gradients(direction.view());
         let along = inner_products(&slope.gradients, &changes);
         let mut field = std::mem::take(&mut self.dual);
         for ((dual, gradients), change) in field.iter_mut().zip(&slope.gradients).zip(&changes) {
@@ -216,11 +211,7 @@ fn apply_hessian(
     values: &Array2<f64>,
 ) -> Array2<f64> {
     let gradient = energy.operators.gradient();
-    let changes: Vec<_> = values
-        .rows()
-        .into_iter()
-        .map(|v| gradient.apply(v))
-        .collect();
+    let changes = energy.gradients(values.view());
     let along_gradient = inner_products(&slope.gradients, &changes);
     let along_dual = inner_products(dual, &changes);
     let mut product = values.clone();

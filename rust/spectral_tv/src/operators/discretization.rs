@@ -1,5 +1,7 @@
 //! The operators of one mesh together, built once and shared by all steps.
 
+use std::sync::OnceLock;
+
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::{Error, Result};
@@ -11,7 +13,8 @@ use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
 pub struct Discretization {
     gradient: Gradient,
     pattern: LaplacianPattern,
-    edges: EdgeLaplacian,
+    /// Made when a flow first asks for it; deformations never do.
+    edges: OnceLock<EdgeLaplacian>,
     masses: Vec<f64>,
     area: f64,
 }
@@ -22,7 +25,7 @@ impl Discretization {
         let gradient = Gradient::new(mesh);
         let pattern = LaplacianPattern::new(&gradient);
         Self {
-            edges: EdgeLaplacian::new(&gradient, &pattern),
+            edges: OnceLock::new(),
             gradient,
             pattern,
             masses: invertible_masses(mesh.vertex_areas()),
@@ -42,7 +45,8 @@ impl Discretization {
 
     /// Weighted Laplacians by their edges.
     pub fn edges(&self) -> &EdgeLaplacian {
-        &self.edges
+        self.edges
+            .get_or_init(|| EdgeLaplacian::new(&self.gradient, &self.pattern))
     }
 
     /// M: the lumped mass of every vertex, length², positive everywhere.

@@ -121,18 +121,18 @@ impl LaplacianPattern {
             }
         }
     }
+}
 
-    /// Turns the rows and columns of `fixed` vertices (V, or empty for none) of an assembled
-    /// `system` into those of the identity.
-    pub fn pin(&self, fixed: &[bool], system: &mut CsMatI<f64, u32>) {
-        if fixed.is_empty() {
-            return;
-        }
-        for (column, mut entries) in system.outer_iterator_mut().enumerate() {
-            for (row, value) in entries.iter_mut() {
-                if fixed[row] || fixed[column] {
-                    *value = if row == column { 1.0 } else { 0.0 };
-                }
+/// Turns the rows and columns of `fixed` vertices (V, or empty for none) of `matrix`, a lower
+/// triangle, into those of the identity.
+pub fn pin(fixed: &[bool], matrix: &mut CsMatI<f64, u32>) {
+    if fixed.is_empty() {
+        return;
+    }
+    for (column, mut entries) in matrix.outer_iterator_mut().enumerate() {
+        for (row, value) in entries.iter_mut() {
+            if fixed[row] || fixed[column] {
+                *value = if row == column { 1.0 } else { 0.0 };
             }
         }
     }
