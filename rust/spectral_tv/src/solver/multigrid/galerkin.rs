@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
-use crate::solver::multigrid::matrix::{Matrix, chunk_length, split_at_bounds};
+use crate::solver::multigrid::matrix::{Matrix, chunk_length, split_at_rows};
 use crate::solver::multigrid::prolongation::{Prolongation, WIDTH};
 
 /// The maps from a matrix K and a prolongation P to KP, and from there to PᵀKP.
@@ -86,7 +86,7 @@ impl Galerkin {
     fn multiply(&mut self, matrix: &Matrix, prolongation: &Prolongation) {
         let chunk = matrix.chunk();
         let (starts, slots, own_slots) = (&self.starts, &self.slots, &self.own_slots);
-        let parts = parts_of(&mut self.values, starts, matrix.size(), chunk);
+        let parts = split_at_rows(&mut self.values, starts, chunk);
         let parts = parts.into_par_iter().zip(self.masses.par_chunks_mut(chunk));
         parts
             .enumerate()
@@ -124,10 +124,10 @@ impl Galerkin {
 
     /// Pᵀ(KP).
     fn gather(&self, prolongation: &Prolongation, coarse: &mut Matrix) {
-        let (size, chunk) = (coarse.size(), coarse.chunk());
+        let chunk = coarse.chunk();
         let weights = prolongation.weights.as_flattened();
         let starts = &coarse.starts;
-        let parts = parts_of(&mut coarse.octets, starts, size, chunk);
+        let parts = split_at_rows(&mut coarse.octets, starts, chunk);
         let parts = parts
             .into_par_iter()
             .zip(coarse.masses.par_chunks_mut(chunk));
@@ -167,17 +167,6 @@ impl Galerkin {
     }
 }
 
-/// The parts of `items` that belong to `chunk` rows each.
-fn parts_of<'a, T>(
-    items: &'a mut [T],
-    starts: &[u32],
-    size: usize,
-    chunk: usize,
-) -> Vec<&'a mut [T]> {
-    let ends = (1..=size.div_ceil(chunk)).map(|part| (part * chunk).min(size));
-    split_at_bounds(items, ends.map(|row| starts[row] as usize))
-}
-
 /// The pattern of KP.
 struct Product {
     starts: Vec<u32>,
@@ -191,7 +180,7 @@ impl Product {
         let (size, chunk) = (matrix.size(), matrix.chunk());
         let mut own_slots = vec![[0; WIDTH]; size];
         let mut slots = vec![[[0; WIDTH]; 8]; matrix.octets.len()];
-        let slot_parts = parts_of(&mut slots, &matrix.starts, size, chunk);
+        let slot_parts = matrix.parts_of_octets(&mut slots);
         let parts = own_slots.par_chunks_mut(chunk).zip(slot_parts).enumerate();
         let lists: Vec<(Vec<u32>, Vec<u32>)> = parts
             .with_max_len(1)

@@ -27,14 +27,19 @@ pub(super) struct Matrix {
     pub masses: Vec<f32>,
 }
 
-/// Least number of rows that are worth handing to another thread, and the most parts.
-const LEAST_ROWS: usize = 4096;
+/// Least number of rows that are worth handing to another thread, and how many of them so small
+/// there may be: sweeps converge the better the fewer they are.
+const LEAST_ROWS: usize = 1 << 10;
+const FEW_CHUNKS: usize = 8;
+/// Rows of each where there are more, and the most there are.
+const MANY_ROWS: usize = 1 << 14;
 const MOST_CHUNKS: usize = 64;
 
 /// Rows of one part of the work on `size` rows. The parts depend on the size alone, so results
 /// are the same however many threads share them.
 pub(super) fn chunk_length(size: usize) -> usize {
-    let wanted = (size / LEAST_ROWS).clamp(1, MOST_CHUNKS);
+    let few = (size / LEAST_ROWS).clamp(1, FEW_CHUNKS);
+    let wanted = few.max((size / MANY_ROWS).min(MOST_CHUNKS));
     // A power of two is shared evenly by two or four threads.
     let count = 1 << wanted.ilog2();
     size.div_ceil(count).max(1)
@@ -71,6 +76,11 @@ impl Matrix {
     /// Rows that one thread works on at a time.
     pub fn chunk(&self) -> usize {
         chunk_length(self.size())
+    }
+
+    /// The parts of `items`, one for each octet, that belong to the rows of one chunk each.
+    pub fn parts_of_octets<'a, T>(&self, items: &'a mut [T]) -> Vec<&'a mut [T]> {
+        split_at_rows(items, &self.starts, self.chunk())
     }
 
     /// The octets of a row.
@@ -234,18 +244,21 @@ pub(super) fn sum<const L: usize>(parts: &[[f64; L]]) -> [f64; L] {
     total
 }
 
-/// The parts of `items` between neighbouring `bounds`.
-pub(super) fn split_at_bounds<T>(
-    mut items: &mut [T],
-    bounds: impl Iterator<Item = usize>,
-) -> Vec<&mut [T]> {
+/// The parts of `items` that belong to `chunk` rows each, of which the first items are `starts`.
+pub(super) fn split_at_rows<'a, T>(
+    mut items: &'a mut [T],
+    starts: &[u32],
+    chunk: usize,
+) -> Vec<&'a mut [T]> {
+    let size = starts.len() - 1;
+    let ends = (1..=size.div_ceil(chunk)).map(|part| starts[(part * chunk).min(size)]);
     let mut parts = Vec::new();
     let mut start = 0;
-    for bound in bounds {
-        let (part, rest) = items.split_at_mut(bound - start);
+    for end in ends {
+        let (part, rest) = items.split_at_mut((end - start) as usize);
         parts.push(part);
         items = rest;
-        start = bound;
+        start = end;
     }
     parts
 }
@@ -282,13 +295,13 @@ mod tests {
     #[test]
     fn parts_do_not_depend_on_threads_and_cover_everything() {
         assert_eq!(chunk_length(0), 1);
-        assert_eq!(chunk_length(5000), 5000);
-        for size in [8192_usize, 43_243, 163_842, 1_000_000, 5_000_000] {
+        assert_eq!(chunk_length(2000), 2000);
+        for size in [5000_usize, 43_243, 163_842, 1_000_000, 5_000_000] {
             let count = size.div_ceil(chunk_length(size));
             assert!(count.is_power_of_two() && count <= MOST_CHUNKS);
         }
         let mut items = [1, 2, 3, 4, 5];
-        let parts = split_at_bounds(&mut items, [2, 2, 5].into_iter());
+        let parts = split_at_rows(&mut items, &[0, 1, 2, 2, 2, 5], 2);
         assert_eq!(parts, [&mut [1, 2][..], &mut [], &mut [3, 4, 5]]);
     }
 }

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use crate::solver::multigrid::aggregation::{Aggregates, NONE, Strength};
-use crate::solver::multigrid::matrix::{Lanes, Matrix, chunk_length};
+use crate::solver::multigrid::matrix::{Lanes, Matrix, Octet, chunk_length};
 
 /// Weights in a row.
 pub(super) const WIDTH: usize = 4;
@@ -38,52 +38,34 @@ impl Prolongation {
         let mut weights = vec![[0.0; WIDTH]; size];
         let mut slots = vec![[DROPPED; 8]; matrix.octets.len()];
         let mut used = vec![0_u8; size];
-        // Shares of aggregates in one row; a vertex has few neighbours, so that a search is fast.
-        let mut shares: Vec<(u32, f32)> = Vec::new();
-        for row in 0..size {
-            let own = aggregates.of_vertex[row];
-            if own == NONE {
-                continue;
-            }
-            let strong = |column: u32, coupling: f32| {
-                let aggregate = aggregates.of_vertex[column as usize];
-                let is_strong = strength.is_strong(row, column as usize, coupling);
-                (is_strong && aggregate != NONE).then_some(aggregate)
-            };
-            shares.clear();
-            for octet in matrix.row(row) {
-                for (&column, coupling) in octet.columns.iter().zip(octet.couplings) {
-                    let Some(aggregate) = strong(column, coupling).filter(|&other| other != own)
-                    else {
-                        continue;
+        let chunk = matrix.chunk();
+        let slot_parts = matrix.parts_of_octets(&mut slots);
+        let rows = columns
+            .par_chunks_mut(chunk)
+            .zip(weights.par_chunks_mut(chunk));
+        let rows = rows.zip(used.par_chunks_mut(chunk)).zip(slot_parts);
+        rows.enumerate().with_max_len(1).for_each(|(part, rows)| {
+            let (((columns, weights), used), mut slots) = rows;
+            // Shares of aggregates in one row; it has few neighbours, so that a search is fast.
+            let mut shares = Vec::new();
+            for (offset, (columns, used)) in columns.iter_mut().zip(used).enumerate() {
+                let row = part * chunk + offset;
+                let octets = matrix.row(row);
+                let (of_row, rest) = slots.split_at_mut(octets.len());
+                slots = rest;
+                if aggregates.of_vertex[row] != NONE {
+                    let row = Row {
+                        row,
+                        octets,
+                        strength,
+                        aggregates,
                     };
-                    match shares.iter_mut().find(|share| share.0 == aggregate) {
-                        Some(share) => share.1 += coupling,
-                        None => shares.push((aggregate, coupling)),
-                    }
+                    *used = row.choose(&mut shares, columns);
+                    row.assign(&columns[..usize::from(*used)], of_row);
+                    weights[offset][0] = 1.0;
                 }
             }
-            shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-            shares.truncate(WIDTH - 1);
-            columns[row] = [own; WIDTH];
-            weights[row][0] = 1.0;
-            for (column, share) in columns[row][1..].iter_mut().zip(&shares) {
-                *column = share.0;
-            }
-            used[row] = 1 + shares.len() as u8;
-            let octets = matrix.starts[row] as usize..matrix.starts[row + 1] as usize;
-            for (octet, slots) in matrix.octets[octets.clone()].iter().zip(&mut slots[octets]) {
-                for ((&column, coupling), slot) in
-                    octet.columns.iter().zip(octet.couplings).zip(slots)
-                {
-                    if let Some(aggregate) = strong(column, coupling) {
-                        let mut kept = columns[row][..usize::from(used[row])].iter();
-                        let place = kept.position(|&kept| kept == aggregate);
-                        *slot = place.map_or(DROPPED, |place| place as u8);
-                    }
-                }
-            }
-        }
+        });
         let (starts, transposed) = transpose(&columns, &used, aggregates.count);
         Self {
             columns,
@@ -182,6 +164,62 @@ impl Prolongation {
     #[inline]
     pub fn entries(&self, aggregate: usize) -> &[u32] {
         &self.transposed[self.starts[aggregate] as usize..self.starts[aggregate + 1] as usize]
+    }
+}
+
+/// A row whose pattern is worked out, of a vertex in an aggregate.
+struct Row<'a> {
+    row: usize,
+    octets: &'a [Octet],
+    strength: &'a Strength,
+    aggregates: &'a Aggregates,
+}
+
+impl Row<'_> {
+    /// The aggregate of a strong neighbour, if it is in one.
+    fn strong(&self, column: u32, coupling: f32) -> Option<u32> {
+        let aggregate = self.aggregates.of_vertex[column as usize];
+        let is_strong = self.strength.is_strong(self.row, column as usize, coupling);
+        (is_strong && aggregate != NONE).then_some(aggregate)
+    }
+
+    /// Fills `columns` with the vertex's own aggregate and those next to it that it is coupled
+    /// best to; returns their number. `shares` is scratch.
+    fn choose(&self, shares: &mut Vec<(u32, f32)>, columns: &mut [u32; WIDTH]) -> u8 {
+        let own = self.aggregates.of_vertex[self.row];
+        shares.clear();
+        for octet in self.octets {
+            for (&column, coupling) in octet.columns.iter().zip(octet.couplings) {
+                let strong = self.strong(column, coupling);
+                let Some(aggregate) = strong.filter(|&other| other != own) else {
+                    continue;
+                };
+                match shares.iter_mut().find(|share| share.0 == aggregate) {
+                    Some(share) => share.1 += coupling,
+                    None => shares.push((aggregate, coupling)),
+                }
+            }
+        }
+        shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        shares.truncate(WIDTH - 1);
+        *columns = [own; WIDTH];
+        for (column, share) in columns[1..].iter_mut().zip(shares.iter()) {
+            *column = share.0;
+        }
+        1 + shares.len() as u8
+    }
+
+    /// Writes which of the aggregates `kept` each neighbour adds to.
+    fn assign(&self, kept: &[u32], slots: &mut [[u8; 8]]) {
+        for (octet, slots) in self.octets.iter().zip(slots) {
+            let entries = octet.columns.iter().zip(octet.couplings).zip(slots);
+            for ((&column, coupling), slot) in entries {
+                if let Some(aggregate) = self.strong(column, coupling) {
+                    let place = kept.iter().position(|&kept| kept == aggregate);
+                    *slot = place.map_or(DROPPED, |place| place as u8);
+                }
+            }
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
-use crate::solver::multigrid::matrix::{Lanes, Matrix, chunk_length, split_at_bounds};
+use crate::solver::multigrid::matrix::{Lanes, Matrix, chunk_length, split_at_rows};
 use crate::solver::multigrid::ordering::Ordering;
 
 /// The finest matrix, without values.
@@ -24,9 +24,8 @@ pub(super) fn refresh(
     masses: &[f64],
 ) -> f64 {
     let scale = masses.iter().sum::<f64>() / masses.len() as f64;
-    let (size, chunk, starts) = (matrix.size(), matrix.chunk(), &matrix.starts);
-    let ends = (1..=size.div_ceil(chunk)).map(|part| (part * chunk).min(size));
-    let parts = split_at_bounds(&mut matrix.octets, ends.map(|row| starts[row] as usize));
+    let (chunk, starts) = (matrix.chunk(), &matrix.starts);
+    let parts = split_at_rows(&mut matrix.octets, starts, chunk);
     let parts = parts
         .into_par_iter()
         .zip(matrix.masses.par_chunks_mut(chunk));
