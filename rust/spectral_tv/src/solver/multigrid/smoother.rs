@@ -56,13 +56,21 @@ impl Smoother {
         x: &mut [Lanes<L>],
     ) {
         let chunk = matrix.chunk();
-        let chunks = x.par_chunks_mut(chunk).enumerate().with_max_len(1);
-        chunks.for_each(|(part, x)| self.forward_rows(matrix, part * chunk, right_hand_side, x));
+        let chunks = x
+            .par_chunks_mut(chunk)
+            .zip(right_hand_side.par_chunks(chunk));
+        chunks
+            .enumerate()
+            .with_max_len(1)
+            .for_each(|(part, (x, right_hand_side))| {
+                self.forward_rows(matrix, part * chunk, right_hand_side, x);
+            });
     }
 
-    /// [`Self::forward`] in the part of the rows that begins with `first`.
+    /// [`Self::forward`] in the part of the rows that begins with `first`; the vectors are of
+    /// that part alone.
     #[inline(never)]
-    fn forward_rows<const L: usize>(
+    pub fn forward_rows<const L: usize>(
         &self,
         matrix: &Matrix,
         first: usize,
@@ -72,7 +80,7 @@ impl Smoother {
         x.fill([0.0; L]);
         for offset in 0..x.len() {
             let row = first + offset;
-            let mut value = right_hand_side[row];
+            let mut value = right_hand_side[offset];
             for octet in matrix.row(row) {
                 for (column, coupling) in octet.columns.iter().zip(octet.couplings) {
                     // Values not yet known and those of other parts are 0.

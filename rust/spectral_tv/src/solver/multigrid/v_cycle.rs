@@ -32,8 +32,25 @@ impl<const L: usize> Workspace<L> {
         }
     }
 
+    /// The sweep that a cycle begins with on the finest level, for callers that take it by
+    /// themselves as soon as parts of the right-hand side are known.
+    pub fn smoothed(&mut self) -> &mut [Lanes<L>] {
+        &mut self.levels[0].smoothed
+    }
+
     /// `solution` ← B b, where B ≈ K⁻¹ is the cycle; returns b·B b of every lane.
     pub fn cycle(
+        &mut self,
+        hierarchy: &Hierarchy,
+        right_hand_side: &[Lanes<L>],
+        solution: &mut [Lanes<L>],
+    ) -> [f64; L] {
+        sweep(hierarchy, 0, &mut self.levels, right_hand_side);
+        self.finish_cycle(hierarchy, right_hand_side, solution)
+    }
+
+    /// [`Self::cycle`] after its first sweep.
+    pub fn finish_cycle(
         &mut self,
         hierarchy: &Hierarchy,
         right_hand_side: &[Lanes<L>],
@@ -43,6 +60,21 @@ impl<const L: usize> Workspace<L> {
     }
 }
 
+/// The sweep upwards on a level.
+fn sweep<const L: usize>(
+    hierarchy: &Hierarchy,
+    index: usize,
+    vectors: &mut [Vectors<L>],
+    right_hand_side: &[Lanes<L>],
+) {
+    let level = &hierarchy.levels[index];
+    let smoothed = &mut vectors[0].smoothed;
+    level
+        .smoother
+        .forward(&level.matrix, right_hand_side, smoothed);
+}
+
+/// What follows that sweep.
 fn descend<const L: usize>(
     hierarchy: &Hierarchy,
     index: usize,
@@ -51,6 +83,7 @@ fn descend<const L: usize>(
     solution: &mut [Lanes<L>],
 ) -> [f64; L] {
     let level = &hierarchy.levels[index];
+    let (matrix, smoother) = (&level.matrix, &level.smoother);
     let (own, below) = vectors.split_first_mut().expect("one for every level");
     let Some(coarsening) = &level.coarsening else {
         if let Some(coarsest) = &hierarchy.coarsest {
@@ -61,16 +94,13 @@ fn descend<const L: usize>(
             }
             return dot.finish();
         }
-        let (matrix, smoother) = (&level.matrix, &level.smoother);
-        smoother.forward(matrix, right_hand_side, &mut own.smoothed);
         return smoother.backward(matrix, right_hand_side, &own.smoothed, None, solution);
     };
-    let (matrix, smoother) = (&level.matrix, &level.smoother);
-    smoother.forward(matrix, right_hand_side, &mut own.smoothed);
     matrix.residual(right_hand_side, &own.smoothed, &mut own.residual);
     let prolongation = &coarsening.prolongation;
     let (coarse_right, correction) = &mut own.coarse;
     prolongation.restrict(&own.residual, coarse_right);
+    sweep(hierarchy, index + 1, below, coarse_right);
     descend(hierarchy, index + 1, below, coarse_right, correction);
     let coarse = Some((prolongation, &correction[..]));
     smoother.backward(matrix, right_hand_side, &own.smoothed, coarse, solution)
