@@ -6,31 +6,8 @@ import numpy as np
 import pytest
 import reference
 import spectral_tv
+from band_errors import band_errors
 from shapes import bumpy_sphere
-
-
-def band_errors(mesh, times, states, fine_times, fine_states):
-    """Relative error of five bands, with components spread evenly around their times.
-
-    Band sums of the same flow at other times differ by what falls to the wrong side of an edge;
-    u − t u_t, interpolated linearly between the midpoints of the steps, does not.
-    """
-    edges = np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], 6)[1:])
-
-    def intercepts(at, states):
-        dt = np.diff(at)[:, None, None]
-        values = states[:-1] + at[:-1, None, None] * (states[:-1] - states[1:]) / dt
-        nodes = np.append(0.0, (at[:-1] + at[1:]) / 2)
-        values = np.concatenate([states[:1], values])
-        k = np.clip(np.searchsorted(nodes, edges) - 1, 0, len(nodes) - 2)
-        share = ((edges - nodes[k]) / (nodes[k + 1] - nodes[k]))[:, None, None]
-        return (1 - share) * values[k] + share * values[k + 1]
-
-    bands = np.diff(intercepts(times, states), axis=0)
-    fine = np.diff(intercepts(fine_times, fine_states), axis=0)
-    weight = mesh.vertex_areas[None, :, None]
-    norm = [np.sqrt((weight * x**2).sum(axis=(1, 2))) for x in (bands - fine, fine)]
-    return norm[0] / norm[1]
 
 
 @pytest.fixture(scope="module")
@@ -52,13 +29,13 @@ def test_default_is_more_accurate_than_extrapolated_bdf2(fine, steps):
     """At the same number of factorizations, on the times each is best on."""
     vertices, triangles, mesh, times, states = fine
     ours = spectral_tv.decompose(mesh, "m1", times=graded(mesh, steps)).flow
-    ours_error = band_errors(mesh, ours.times, ours.states, times, states).mean()
+    ours_error = band_errors(mesh.vertex_areas, ours.times, ours.states, times, states).mean()
 
     ops = reference.Operators(vertices, triangles)
     logarithmic = np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], steps))
     bdf2_errors = [
         band_errors(
-            mesh,
+            mesh.vertex_areas,
             t,
             reference.bdf2_extrapolated_flow(ops, vertices, t, 1e-3 * 2**0.5),
             times,
@@ -80,7 +57,11 @@ def test_bands_converge_as_steps_refine(method):
         flow = spectral_tv.decompose(mesh, method, steps=steps).flow
         errors.append(
             band_errors(
-                mesh, flow.times, flow.states.reshape(shape), fine.times, fine.states.reshape(shape)
+                mesh.vertex_areas,
+                flow.times,
+                flow.states.reshape(shape),
+                fine.times,
+                fine.states.reshape(shape),
             ).mean()
         )
     print(method, errors)
