@@ -1,6 +1,6 @@
 """Say which system libraries and tools are missing, and the command that installs them.
 
-python check_system.py [--packages] [cholmod]
+python check_system.py [--packages] [cholmod] [valgrind]
 
 With --packages, print the names of Debian's packages only.
 """
@@ -28,7 +28,7 @@ LIBRARIES = {
 
 def main() -> None:
     """Exit with a message unless everything is there."""
-    packages = missing_packages(with_cholmod="cholmod" in sys.argv[1:])
+    packages = missing_packages(set(sys.argv[1:]))
     if "--packages" in sys.argv[1:]:
         print(" ".join(packages))
         return
@@ -44,15 +44,21 @@ def main() -> None:
         sys.exit("\n".join(problems))
 
 
-def missing_packages(*, with_cholmod: bool) -> list[str]:
-    """Debian packages that have to be installed."""
+def missing_packages(purposes: set[str]) -> list[str]:
+    """Debian packages that have to be installed for these purposes too."""
     missing = [package for name, package in LIBRARIES.items() if not is_loadable(name)]
     if shutil.which("cc") is None:
         missing.append("gcc")
     if importlib.util.find_spec("ensurepip") is None:
         missing.append("python3.11-venv")
-    if with_cholmod and not Path("/usr/include/suitesparse/cholmod.h").is_file():
-        missing.append("libsuitesparse-dev")
+    if "cholmod" in purposes:
+        if not Path("/usr/include/suitesparse/cholmod.h").is_file():
+            missing.append("libsuitesparse-dev")
+        # CHOLMOD is two to three times slower on the BLAS that comes along with it.
+        if not any(Path("/usr/lib").glob("*/openblas-pthread/libblas.so.3")):
+            missing.append("libopenblas0-pthread")
+    if "valgrind" in purposes and shutil.which("valgrind") is None:
+        missing.append("valgrind")
     return missing
 
 
