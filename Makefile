@@ -4,6 +4,7 @@ PYTHON ?= python3.11
 MESH ?=
 UP ?=
 AZIMUTH ?=
+BENCH ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -14,7 +15,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test test-bpy test-window lint extension bench pictures clean
+.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -45,7 +46,12 @@ extension: $(EXTENSION_STAMP)
 bench: $(WHEEL_STAMP)
 	$(BIN)/python tools/check_system.py cholmod
 	$(BIN)/python -m pip install --quiet --group bench
-	$(BIN)/python -m tools.bench $(MESH)
+	$(BIN)/python -m tools.bench $(or $(MESH),--page docs/benchmarks.md) $(BENCH)
+
+# Counts instructions and compares them with the stored run; BENCH=--store renews that.
+bench-check: $(VENV)/.installed
+	$(BIN)/python tools/check_system.py valgrind
+	$(BIN)/python -m tools.bench.instructions $(BENCH)
 
 pictures: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo --cell 180 --output .build/pictures

@@ -1,6 +1,6 @@
-"""Measure the library against what one would write in SciPy, and libigl, as ratios in one run.
+"""Measure the library against what one would write without it, as ratios in one run.
 
-python -m tools.bench [MESH.ply ...]
+Takes about an hour; on meshes of one's own less.
 """
 
 from __future__ import annotations
@@ -9,66 +9,74 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-import spectral_tv
+from . import (
+    accuracy,
+    deformation,
+    eigenpairs,
+    exact,
+    growth,
+    interruption,
+    machine,
+    smoothing,
+    steps,
+)
+from .meshes import Shape, bumpy_sphere, bumpy_torus, pinched_sphere, read_ply
+from .page import TABLES, Page
 
-from . import deformation, eigenpairs, exact, growth
-from .cholmod import lagged_m1
-from .meshes import bumpy_sphere, pinched_sphere, read_ply
-from .timing import RUNS, interleaved
+Shapes = list[tuple[str, Shape]]
 
-STEPS = 30
+# Frequencies of spheres with 41 k, 164 k and 1 M vertices, and of small ones for a trial.
+FREQUENCIES, SMALL_FREQUENCIES = (64, 128, 316), (16, 24)
+SIZES, SMALL_SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000), (1_000, 4_000)
+
+
+# Made along with "deformation".
+ALONG = ("dragging", "rigid")
+NAMES = tuple(name for name in TABLES if name not in ALONG)
 
 
 def main() -> None:
-    """Print the tables."""
+    """Print the tables, and write them into a page."""
     parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
     parser.add_argument("meshes", type=Path, nargs="*", help="binary .ply files of triangles")
-    paths = parser.parse_args().meshes
-    shapes = [(path.stem, *read_ply(path)) for path in paths] or [
-        (f"bumpy sphere {subdivisions}", *bumpy_sphere(subdivisions)) for subdivisions in (5, 6)
+    parser.add_argument("--page", type=Path, help="a page with markers to write the tables into")
+    parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="these tables only")
+    parser.add_argument("--least", action="store_true", help="leave out what takes many minutes")
+    parser.add_argument("--small", action="store_true", help="try everything on small meshes")
+    arguments = parser.parse_args()
+    page = Page(arguments.page)
+    tables = planned(arguments)
+    for name in arguments.only:
+        tables[name](page)
+
+
+def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
+    """What makes each table, on the meshes of the command line or generated ones."""
+    files: Shapes = [(path.stem, read_ply(path)) for path in arguments.meshes]
+    small, medium = (8, 12) if arguments.small else (32, 64)
+    shapes = files or [
+        ("bumpy sphere", bumpy_sphere(n))
+        for n in (SMALL_FREQUENCIES if arguments.small else FREQUENCIES)
     ]
-    print(f"{STEPS} steps of M1 on the same times, the median of {RUNS} interleaved runs")
-    print("| mesh | vertices | SciPy + CHOLMOD | lagged | ratio | default | ratio | difference |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-    for name, vertices, triangles in shapes:
-        print(row(name, vertices, triangles), flush=True)
-    deformation.report(
-        shapes
-        if paths
-        else [
-            shapes[0],
-            *((f"pinched sphere {size}", *pinched_sphere(size)) for size in (5, 6)),
-        ]
-    )
-    exact.report()
-    eigenpairs.report(*(shapes[0]))
-    growth.report()
-
-
-def row(name: str, vertices: np.ndarray, triangles: np.ndarray) -> str:
-    """Measure one mesh; the difference is of the two lagged flows, relative to the size."""
-    mesh = spectral_tv.Mesh(vertices, triangles)
-    times = np.append(0, np.geomspace(2e-5, 2e-2, STEPS) * mesh.area)
-    states = {}
-
-    def ours(scheme: str) -> Callable[[], None]:
-        def run() -> None:
-            fresh = spectral_tv.Mesh(vertices, triangles)
-            states[scheme] = spectral_tv.decompose(fresh, "m1", times=times, scheme=scheme)
-
-        return run
-
-    def theirs() -> None:
-        states["cholmod"] = lagged_m1(vertices, triangles, times)
-
-    cholmod, lagged, default = interleaved(theirs, ours("lagged"), ours("extrapolated"))
-    difference = np.abs(states["lagged"].flow.states - states["cholmod"]).max()
-    relative = difference / np.ptp(vertices, axis=0).max()
-    return (
-        f"| {name} | {len(vertices)} | {cholmod:.2f} s | {lagged:.2f} s | {cholmod / lagged:.1f} "
-        f"| {default:.2f} s | {cholmod / default:.1f} | {relative:.0e} |"
-    )
+    of_steps = files[0] if files else ("bumpy sphere", bumpy_sphere(small))
+    of_eigenpairs = files[0] if files else ("bumpy torus", bumpy_torus(50 * small**2 // 3))
+    pulled = files or [
+        ("bumpy sphere", bumpy_sphere(small)),
+        *(("pinched sphere", pinched_sphere(n)) for n in (small, medium)),
+    ]
+    sizes = SMALL_SIZES if arguments.small else SIZES
+    least = arguments.least
+    return {
+        "machine": machine.report,
+        "steps": lambda page: steps.report(page, shapes, least=least),
+        "accuracy": lambda page: accuracy.report(page, *of_steps),
+        "exact": lambda page: exact.report(page, (small, medium)),
+        "eigenpairs": lambda page: eigenpairs.report(page, *of_eigenpairs, everything=not least),
+        "deformation": lambda page: deformation.report(page, pulled),
+        "smoothing": lambda page: smoothing.report(page, shapes),
+        "interruption": lambda page: interruption.report(page, shapes),
+        "growth": lambda page: growth.report(page, sizes),
+    }
 
 
 if __name__ == "__main__":

@@ -1,53 +1,132 @@
-"""M1's semi-implicit steps in SciPy with CHOLMOD: what one would write without this library."""
+"""The paper's semi-implicit steps in SciPy with CHOLMOD: what one would write without this library.
+
+What steps share is worked out once: the gradient, the pattern of the matrix and the map from face
+weights to its entries, and CHOLMOD's analysis. A step takes one factorization.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse as sp
 from sksparse.cholmod import analyze
 
+from .operators import face_normals, gradient_and_areas, hats_and_areas, to_vertices
 
-def lagged_m1(vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Run the paper's step, one factorization each, the analysis done once.
+SMOOTHING = 1e-3
+AREA_FLOOR, WEIGHT_FLOOR = 1e-8, 1e-4
+BASE_TIME, BASE_STEPS = 5e-3, 10
+
+
+def lagged_steps(
+    vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray, method: str
+) -> np.ndarray:
+    """Run M1, M2 or M3, its base included.
 
     Parameters
     ----------
     vertices : (V, 3) array
     triangles : (F, 3) array of integers
     times : (N+1,) array, increasing from 0, length²
+    method : "m1", "m2" or "m3"
 
     Returns
     -------
-    (N+1, V, 3) array
+    (N+1, V, 3) array of shapes, or (N+1, V) of the distances from M3's base
     """
-    gradient, areas = gradient_and_areas(vertices, triangles)
-    masses = np.bincount(triangles.ravel(), np.repeat(areas / 3, 3), len(vertices))
-    masses[masses == 0] = masses.mean()
-    epsilon = 1e-3 * np.sqrt(2)
-    states = [vertices]
-    factor = None
-    for dt in np.diff(times):
-        norms = np.linalg.norm((gradient @ states[-1]).reshape(-1, 9), axis=1)
-        weights = areas / np.hypot(norms, epsilon)
-        scaled = sp.diags_array(np.repeat(weights, 3)) @ gradient
-        system = sp.csc_matrix(sp.diags_array(masses) + dt * (gradient.T @ scaled))
-        factor = factor or analyze(system)
-        factor.cholesky_inplace(system)
-        states.append(factor(masses[:, None] * states[-1]))
-    return np.array(states)
+    solver = Steps(vertices, triangles)
+    if method == "m2":
+        return collected(solver.conformal(times, p=3), vertices, times)
+    values = vertices
+    if method == "m3":
+        base_times = np.linspace(0, BASE_TIME * solver.areas.sum(), BASE_STEPS + 1)
+        *_, base = solver.conformal(base_times, p=2)
+        values = distances(vertices, triangles, base)
+    return collected(solver.total_variation(values, times), values, times)
 
 
-def gradient_and_areas(
-    vertices: np.ndarray, triangles: np.ndarray
-) -> tuple[sp.csr_array, np.ndarray]:
-    """G (3F, V) and the face areas."""
-    corners = vertices[triangles]
-    opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
-    normals = np.cross(opposite[:, 0], opposite[:, 1])
-    double = np.linalg.norm(normals, axis=1)
-    hats = np.cross(normals[:, None], opposite) / (double**2)[:, None, None]
-    faces = len(triangles)
-    rows = np.broadcast_to(3 * np.arange(faces)[:, None, None] + np.arange(3), (faces, 3, 3))
-    columns = np.broadcast_to(triangles[:, :, None], (faces, 3, 3))
-    entries = (hats.ravel(), (rows.ravel(), columns.ravel()))
-    return sp.csr_array(entries, shape=(3 * faces, len(vertices))), double / 2
+def collected(flow: Iterator[np.ndarray], values: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """All states of a flow from `values` in one array, without a second copy of them."""
+    states = np.empty((len(times), *values.shape))
+    for place, state in zip(states, flow, strict=True):
+        place[...] = state
+    return states
+
+
+class Steps:
+    """Flows on one mesh."""
+
+    def __init__(self, vertices: np.ndarray, triangles: np.ndarray) -> None:
+        """Work out what all steps share."""
+        self.vertices, self.triangles = vertices, triangles
+        self.gradient, self.areas = gradient_and_areas(vertices, triangles)
+        self.masses = to_vertices(triangles, self.areas / 3, len(vertices))
+        self.masses[self.masses == 0] = self.masses.mean()
+        self.system, self.entries, self.diagonal = self._pattern()
+        self.factor = None
+
+    def total_variation(self, values: np.ndarray, times: np.ndarray) -> Iterator[np.ndarray]:
+        """Yield the states of NETV from values (V,) or (V, 3) (Brokman et al., Eqs. 49, 57)."""
+        epsilon = SMOOTHING * (self.areas @ self._norms(values)) / self.areas.sum()
+        yield values
+        for dt in np.diff(times):
+            weights = 1 / np.hypot(self._norms(values), epsilon)
+            values = self._step(self.masses, dt * weights, values)
+            yield values
+
+    def conformal(self, times: np.ndarray, p: int) -> Iterator[np.ndarray]:
+        """Yield shapes (V, 3) of the conformalized P-Laplace flow (Eq. 56)."""
+        shape = self.vertices
+        yield shape
+        for dt in np.diff(times):
+            areas = np.linalg.norm(face_normals(shape, self.triangles), axis=1) / 2
+            masses = to_vertices(self.triangles, areas / 3, len(shape))
+            masses = np.maximum(masses, AREA_FLOOR * self.masses)
+            weights = np.ones(len(areas))
+            if p == 3:
+                weights = np.maximum(self._norms(shape), WEIGHT_FLOOR)
+            shape = self._step(masses, dt * weights, shape)
+            yield shape
+
+    def _norms(self, values: np.ndarray) -> np.ndarray:
+        gradients = (self.gradient @ values).reshape(len(self.areas), -1)
+        return np.linalg.norm(gradients, axis=1)
+
+    def _step(self, masses: np.ndarray, weights: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Solve (M + L(w)) u⁺ = M u."""
+        self.system.data = self.entries @ weights
+        self.system.data[self.diagonal] += masses
+        self.factor = self.factor or analyze(self.system)
+        self.factor.cholesky_inplace(self.system)
+        return self.factor((masses * values.T).T)
+
+    def _pattern(self) -> tuple[sp.csc_matrix, sp.csr_array, np.ndarray]:
+        """The matrix, what turns weights (F,) into its entries, and where its diagonal is."""
+        count, faces = len(self.vertices), len(self.areas)
+        rows = np.repeat(self.triangles, 3, axis=1).ravel()
+        columns = np.tile(self.triangles, (1, 3)).ravel()
+        keys, place = np.unique(columns.astype(np.int64) * count + rows, return_inverse=True)
+        starts = np.searchsorted(keys, np.arange(count + 1) * count)
+        shape = (count, count)
+        pattern = (np.zeros(len(keys)), (keys % count).astype(np.int32), starts.astype(np.int32))
+        hats, areas = hats_and_areas(self.vertices, self.triangles)
+        stiffness = np.einsum("fix,fjx,f->fij", hats, hats, areas)
+        entries = (stiffness.ravel(), (place.ravel(), np.repeat(np.arange(faces), 9)))
+        diagonal = np.searchsorted(keys, np.arange(count) * (count + 1))
+        return (
+            sp.csc_matrix(pattern, shape=shape),
+            sp.csr_array(entries, shape=(len(keys), faces)),
+            diagonal,
+        )
+
+
+def distances(vertices: np.ndarray, triangles: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """M3's distances from its base (V,), positive on the side to which the base's normal points."""
+    normals = np.zeros_like(base)
+    of_faces = face_normals(base, triangles)
+    for axis in range(3):
+        normals[:, axis] = to_vertices(triangles, of_faces[:, axis], len(base))
+    offset = vertices - base
+    outside = np.einsum("vx,vx->v", offset, normals) >= 0
+    return np.where(outside, 1, -1) * np.linalg.norm(offset, axis=1)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import igl
 import numpy as np
 import spectral_tv
 
-from .reweighted import cholmod, reweighted, superlu
+from .meshes import Shape
+from .page import Page
+from .reweighted import Factorize, cholmod, reweighted, superlu
 from .timing import RUNS, interleaved
 
 LOW, HIGH = 0.05, 0.07
@@ -39,33 +43,36 @@ class Pull:
         return spectral_tv.deform(mesh, self.indices, self.targets, **arguments)
 
 
-def report(shapes: list[tuple[str, np.ndarray, np.ndarray]]) -> None:
+def report(page: Page, shapes: list[tuple[str, Shape]]) -> None:
     """Print the tables."""
-    pulls = [Pull(*shape) for shape in shapes]
-    print(
-        f"\nDeformation to a gap of {TOLERANCE:.1g}, the median of {RUNS} interleaved runs. SciPy"
-    )
-    print("reweights until its TV is as near to the optimum, which it is told")
-    print("| mesh | vertices | SciPy | systems | + CHOLMOD | deform | iterations | ratios |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-    for pull in pulls:
-        print(solving(pull), flush=True)
-    print(
-        f"\nDragging, the median of {FRAMES} frames; CHOLMOD solves one reweighted system, all of"
-    )
-    print("its preparation included, which dragging has behind it")
-    print("| mesh | vertices | CHOLMOD | drag | ratio | updates a second | worst excess |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
-    for pull in pulls:
-        print(dragging(pull), flush=True)
-    print("\nAs-rigid-as-possible (spokes and rims), the same number of iterations")
-    print("| mesh | vertices | iterations | libigl | deform | ratio | difference |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
-    for pull in pulls:
-        print(rigid(pull), flush=True)
+    pulls = [Pull(name, *shape) for name, shape in shapes]
+    with page.table(
+        "deformation",
+        f"Deformation to a gap of {TOLERANCE:.1g}; SciPy reweights until its TV is as near to the "
+        f"optimum, which it is told; medians of {RUNS} interleaved runs",
+        "mesh | vertices | SciPy | its systems | SciPy, CHOLMOD | deform | iterations | ratios",
+    ) as row:
+        for pull in pulls:
+            row(pull.name, len(pull.vertices), *solving(pull))
+    with page.table(
+        "dragging",
+        f"Dragging, medians of {FRAMES} frames; CHOLMOD solves one reweighted system, all of its "
+        "preparation included, which dragging has behind it",
+        "mesh | vertices | CHOLMOD | drag | ratio | updates a second | worst excess of TV",
+    ) as row:
+        for pull in pulls:
+            row(pull.name, len(pull.vertices), *dragging(pull))
+    with page.table(
+        "rigid",
+        f"As-rigid-as-possible (spokes and rims), the same number of iterations; medians of {RUNS} "
+        "interleaved runs",
+        "mesh | vertices | iterations | libigl | deform | ratio | difference",
+    ) as row:
+        for pull in pulls:
+            row(pull.name, len(pull.vertices), *rigid(pull))
 
 
-def solving(pull: Pull) -> str:
+def solving(pull: Pull) -> list[str]:
     """Measure full solutions of one mesh."""
     least = pull.deform(tolerance=1e-5).total_variation
     found = {}
@@ -73,7 +80,7 @@ def solving(pull: Pull) -> str:
     def ours() -> None:
         found["ours"] = pull.deform(tolerance=TOLERANCE)
 
-    def theirs(name: str, factorize):
+    def theirs(name: str, factorize: Callable[[], Factorize]) -> Callable[[], None]:
         def run() -> None:
             found[name] = reweighted(
                 pull.vertices,
@@ -91,14 +98,13 @@ def solving(pull: Pull) -> str:
     )
     _, variation, systems = found["SciPy"]
     reached = "" if variation <= least * (1 + TOLERANCE) else f", {variation / least - 1:.1e} above"
-    return (
-        f"| {pull.name} | {len(pull.vertices)} | {scipy:.2f} s | {systems}{reached} "
-        f"| {cholesky:.2f} s | {seconds:.2f} s | {found['ours'].iterations} "
-        f"| {scipy / seconds:.1f}, {cholesky / seconds:.1f} |"
-    )
+    return [
+        f"{scipy:.2f} s", f"{systems}{reached}", f"{cholesky:.2f} s", f"{seconds:.2f} s",
+        str(found["ours"].iterations), f"{scipy / seconds:.1f}, {cholesky / seconds:.1f}",
+    ]  # fmt: skip
 
 
-def dragging(pull: Pull) -> str:
+def dragging(pull: Pull) -> list[str]:
     """Measure updates of one mesh while its handle is moved by 2 % of its way a frame."""
     mesh = spectral_tv.Mesh(pull.vertices, pull.triangles)
     deformer = spectral_tv.Deformer(mesh, pull.indices)
@@ -122,13 +128,13 @@ def dragging(pull: Pull) -> str:
         - 1
         for k in checked
     )
-    return (
-        f"| {pull.name} | {len(pull.vertices)} | {1e3 * cholesky:.0f} ms | {1e3 * seconds:.0f} ms "
-        f"| {cholesky / seconds:.1f} | {1 / seconds:.0f} | {excess:.1e} |"
-    )
+    return [
+        f"{1e3 * cholesky:.0f} ms", f"{1e3 * seconds:.0f} ms", f"{cholesky / seconds:.1f}",
+        f"{1 / seconds:.0f}", f"{excess:.1e}",
+    ]  # fmt: skip
 
 
-def rigid(pull: Pull) -> str:
+def rigid(pull: Pull) -> list[str]:
     """Measure as-rigid-as-possible deformation of one mesh."""
     results = {}
 
@@ -150,7 +156,7 @@ def rigid(pull: Pull) -> str:
     library, seconds = interleaved(theirs, ours)
     difference = np.abs(results["libigl"] - results["ours"].vertices).max()
     relative = difference / np.linalg.norm(pull.shift)
-    return (
-        f"| {pull.name} | {len(pull.vertices)} | {iterations} | {library:.2f} s | {seconds:.2f} s "
-        f"| {library / seconds:.1f} | {relative:.0e} |"
-    )
+    return [
+        str(iterations), f"{library:.2f} s", f"{seconds:.2f} s", f"{library / seconds:.1f}",
+        f"{relative:.0e}",
+    ]  # fmt: skip

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 from sksparse.cholmod import analyze
 
-from .cholmod import gradient_and_areas
+from .operators import gradient_and_areas
 
 Solve = Callable[[np.ndarray], np.ndarray]
 Factorize = Callable[[sp.csc_matrix], Solve]

@@ -1,0 +1,104 @@
+"""The same steps of M1, M2 and M3 in SciPy and here: seconds, memory, difference."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from .blas import optimized, reference
+from .meshes import Shape
+from .operators import hats_and_areas
+from .page import Page
+from .process import Bench, Outcome, Work
+from .timing import RUNS, interleaved
+
+STEPS = 30
+# The last time, relative to the area; the first is a thousandth of it.
+LAST = {"m1": 2e-2, "m2": 3e-2, "m3": 1e-3}
+# Meshes of more vertices are run once.
+LARGE = 500_000
+TRIAL = 4
+
+
+def report(page: Page, shapes: list[tuple[str, Shape]], *, least: bool) -> None:
+    """Print the table; with `least`, SciPy is left out for large meshes."""
+    with page.table(
+        "steps",
+        f"{STEPS} steps; medians of {RUNS} interleaved runs, one run from {LARGE} vertices",
+        "mesh | vertices | method | SciPy, Debian's BLAS | SciPy, OpenBLAS | the same steps "
+        "| ratios | on one thread | ratios | default steps | ratios | solver | difference "
+        "| memory, SciPy | memory | ratio",
+    ) as row:
+        for name, shape in shapes:
+            for method in LAST:
+                row(name, len(shape[0]), method.upper(), *cells(shape, method, least))
+
+
+def cells(shape: Shape, method: str, least: bool) -> list[str]:
+    """Measure one method on one mesh."""
+    is_large = len(shape[0]) >= LARGE
+    area = hats_and_areas(*shape)[1].sum()
+    times = np.append(0, np.geomspace(LAST[method] / 1000, LAST[method], STEPS) * area)
+    bench = Bench(shape, times)
+    found: dict[str, list[Outcome]] = {}
+
+    def contestant(key: str, work: Work, environment: dict[str, str] | None = None):
+        def run() -> float:
+            found.setdefault(key, []).append(bench.run(work, environment))
+            return found[key][-1].seconds
+
+        return run
+
+    scipy, single = Work("scipy", method), {"RAYON_NUM_THREADS": "1"}
+    contestants = {
+        "lagged": contestant("lagged", Work("spectral_tv", method)),
+        "single": contestant("single", Work("spectral_tv", method), single),
+        "default": contestant("default", Work("spectral_tv", method, "extrapolated")),
+    }
+    if not (is_large and least):
+        contestants["scipy"] = contestant("scipy", scipy, fastest_blas(shape, times, method))
+        plain = reference()
+        if plain is not None:
+            contestants["plain"] = contestant("plain", scipy, plain)
+    runs = 1 if is_large else RUNS
+    seconds = dict(zip(contestants, interleaved(*contestants.values(), runs=runs), strict=True))
+    theirs = [seconds[key] for key in ("plain", "scipy") if key in seconds]
+
+    def ratios(key: str) -> str:
+        return ", ".join(f"{slow / seconds[key]:.1f}" for slow in theirs) or "–"
+
+    def shown(key: str) -> str:
+        return f"{seconds[key]:.2f} s" if key in seconds else "–"
+
+    ours = found["lagged"][0]
+    difference = memory = ratio = "–"
+    if "scipy" in found:
+        them = found["scipy"][0]
+        size = np.ptp(shape[0], axis=0).max()
+        difference = f"{np.abs(ours.states - them.states).max() / size:.0e}"
+        memory, ratio = f"{them.megabytes:.0f} MB", f"{them.megabytes / ours.megabytes:.1f}"
+    return [
+        shown("plain"), shown("scipy"), shown("lagged"), ratios("lagged"), shown("single"),
+        ratios("single"), shown("default"), ratios("default"), chosen(shape, times, method),
+        difference, memory, f"{ours.megabytes:.0f} MB", ratio,
+    ]  # fmt: skip
+
+
+def fastest_blas(shape: Shape, times: np.ndarray, method: str) -> dict[str, str]:
+    """OpenBLAS with one thread or all, whichever takes some steps sooner."""
+    bench = Bench(shape, times[:TRIAL])
+    trials = [optimized(threads) for threads in {1, os.cpu_count()}]
+    seconds = [bench.run(Work("scipy", method), trial).seconds for trial in trials]
+    return trials[int(np.argmin(seconds))]
+
+
+def chosen(shape: Shape, times: np.ndarray, method: str) -> str:
+    """The solver that "auto" takes: the one whose states are the same to the last bit."""
+    bench = Bench(shape, times[:TRIAL])
+    auto, *known = (
+        bench.run(Work("spectral_tv", method, solver=solver)).states
+        for solver in ("auto", "cholesky", "multigrid")
+    )
+    same = [np.array_equal(auto, states) for states in known]
+    return {(True, False): "Cholesky", (False, True): "multigrid"}.get(tuple(same), "either")
