@@ -26,12 +26,12 @@ from .page import TABLES, Page
 Shapes = list[tuple[str, Shape]]
 
 # Frequencies of spheres with 41 k, 164 k and 1 M vertices, and of small ones for a trial.
-FREQUENCIES, SMALL_FREQUENCIES = (64, 128, 316), (16, 24)
+FREQUENCIES, SMALL_FREQUENCIES = (64, 128, 316), (8, 16)
 SIZES, SMALL_SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000), (1_000, 4_000)
 
 
-# Made along with "deformation".
-ALONG = ("dragging", "rigid")
+# Made along with "steps" and "deformation".
+ALONG = ("memory", "dragging", "rigid")
 NAMES = tuple(name for name in TABLES if name not in ALONG)
 
 

@@ -15,8 +15,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 TABLES = (
-    "machine", "steps", "accuracy", "exact", "eigenpairs", "deformation", "dragging", "rigid",
-    "smoothing", "interruption", "growth",
+    "machine", "steps", "memory", "accuracy", "exact", "eigenpairs", "deformation", "dragging",
+    "rigid", "smoothing", "interruption", "growth",
 )  # fmt: skip
 
 
