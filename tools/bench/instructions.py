@@ -20,7 +20,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 STORED = Path(__file__).with_suffix(".json")
-# Runs of one build differ by 1e-7, so this is room for what an unrelated change does to inlining.
+# Runs of one build differ by 1e-7; a change elsewhere moved works that it does not touch by 1e-4,
+# and the smallest of all by 1 %, where the compiler inlined differently.
 TOLERANCE = 0.02
 
 
