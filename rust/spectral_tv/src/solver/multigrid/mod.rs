@@ -43,7 +43,7 @@ const MOST_ITERATIONS: usize = 60;
 /// Iterations beyond those right after clustering that are borne before clustering anew, both
 /// counted for a fixed gain.
 const MOST_EXTRA_ITERATIONS: f64 = 4.0;
-/// And those beyond the ones with up-to-date coarse levels before these are brought up to date,
+/// And those beyond the ones with up-to-date coarse levels before these follow every matrix,
 /// which costs about two iterations.
 const MOST_OUTDATED_ITERATIONS: f64 = 1.0;
 /// Iterations beyond those right after clustering that make a solution start anew with new
@@ -58,9 +58,11 @@ pub struct Multigrid {
     hierarchy: Hierarchy,
     /// What the matrix was divided by.
     scale: f64,
-    /// Whether the clusters no longer fit, and whether the coarse levels do not.
+    /// Whether the clusters no longer fit.
     is_stale: bool,
-    is_outdated: bool,
+    /// Whether coarse levels follow every matrix: where they had to once, they will have to
+    /// again.
+    is_following: bool,
     /// Whether the coarse levels are those of the matrix at hand.
     is_current: bool,
     /// Iterations for [`GAIN`] right after the vertices were clustered, and when the coarse
@@ -88,7 +90,7 @@ impl Multigrid {
             hierarchy: Hierarchy::unset(matrix),
             scale: 1.0,
             is_stale: true,
-            is_outdated: false,
+            is_following: false,
             is_current: false,
             iterations_when_fresh: None,
             iterations_when_current: 0.0,
@@ -116,8 +118,7 @@ impl Multigrid {
             return self.coarsen(stage);
         }
         self.age += 1;
-        self.is_current = self.is_outdated;
-        self.is_outdated = false;
+        self.is_current = self.is_following;
         match self.is_current {
             true => self.hierarchy.refresh(stage),
             false => self.hierarchy.refresh_finest(),
@@ -238,7 +239,6 @@ impl Multigrid {
             iteration.adapt(&self.hierarchy);
         }
         self.is_stale = false;
-        self.is_outdated = false;
         self.is_current = true;
         self.age = 1;
         Ok(())
@@ -257,7 +257,7 @@ impl Multigrid {
             self.iterations_when_current = iterations;
         } else {
             let bound = self.iterations_when_current + MOST_OUTDATED_ITERATIONS;
-            self.is_outdated |= iterations > bound;
+            self.is_following |= iterations > bound;
         }
     }
 }
