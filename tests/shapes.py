@@ -14,6 +14,10 @@ Triangles = NDArray[np.int64]
 Indices = NDArray[np.int64]
 Mesh = tuple[Vertices, Triangles]
 
+# Where tan z = z: |z| of the bottlenecks of sinc_surface, and their radius.
+SINC_NECK = 4.493409
+SINC_NECK_RADIUS = 0.4 + np.sin(SINC_NECK) / SINC_NECK
+
 
 def icosphere(subdivisions: int, radius: float = 1.0) -> Mesh:
     """Sphere of 10 * 4^subdivisions + 2 vertices, by repeated splitting of an icosahedron."""
@@ -86,6 +90,18 @@ def dumbbell(
     centre = neck_length / 2.0 + ball_radius * np.cos(opening)
     upper = np.column_stack([ball_radius * np.sin(polar), centre + ball_radius * np.cos(polar)])
     return _revolve(np.vstack([upper, upper[::-1] * [1.0, -1.0]]), n_around, n_along)
+
+
+def sinc_surface(n_around: int = 48, n_along: int = 192) -> Mesh:
+    """Tube about the z axis whose radius is 0.4 + sin(z)/z, open at z = -9.5 and 9.5.
+
+    Its bottlenecks are at SINC_NECK on both sides of a large bulge (Brokman et al. 2024, the
+    figures of the sinc). Vertex i * n_along + j is at angle i and, from below, on ring j.
+    """
+    angle, z = np.meshgrid(_angles(n_around), np.linspace(-9.5, 9.5, n_along), indexing="ij")
+    radius = 0.4 + np.sinc(z / np.pi)
+    vertices = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
+    return vertices.reshape(-1, 3), _lattice_triangles(n_around, n_along, True, False)
 
 
 def ends(vertices: Vertices, share: float = 0.08) -> tuple[Indices, Indices]:
