@@ -20,6 +20,7 @@ __all__ = [
     "decompose",
     "default_scales",
     "deform",
+    "eigenpairs",
     "eigenset_test",
     "flow",
     "graded_times",
@@ -32,7 +33,7 @@ __all__ = [
 ]
 __version__: str
 
-_Method = Literal["m1", "m2", "m3", "naive", "heat"]
+_Method = Literal["m1", "m2", "m3", "naive", "heat", "lb", "displacement"]
 _Scheme = Literal["extrapolated", "lagged", "exact"]
 _Algorithm = Literal["convex", "paper", "harmonic", "biharmonic", "arap"]
 _Solver = Literal["auto", "cholesky", "multigrid"]
@@ -174,6 +175,7 @@ def decompose(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    eigenpairs: int = 300,
 ) -> Decomposition: ...
 def start_decompose(
     mesh: Mesh,
@@ -187,7 +189,11 @@ def start_decompose(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    eigenpairs: int = 300,
 ) -> Job: ...
+def eigenpairs(
+    mesh: Mesh, count: int, progress: _Progress | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def cosegment(
     decompositions: Sequence[Decomposition],
     segments: int = 6,
@@ -252,5 +258,5 @@ def conformal_flow(
     solver: _Solver = "auto",
 ) -> NDArray[np.float64]: ...
 def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
-def default_scales(method: _Method) -> tuple[float, float]: ...
+def default_scales(method: _Method, eigenpairs: int = 300) -> tuple[float, float]: ...
 def graded_times(finest: float, largest: float, steps: int = 32) -> NDArray[np.float64]: ...

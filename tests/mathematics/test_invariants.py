@@ -7,7 +7,7 @@ import pytest
 import spectral_tv
 from shapes import bumpy_sphere, cylinder_open, dumbbell, icosphere
 
-METHODS = ["naive", "m1", "m2", "m3", "heat"]
+METHODS = ["naive", "m1", "m2", "m3", "heat", "lb"]
 SCHEMES = ["lagged", "extrapolated", "exact"]
 ROTATION = np.linalg.qr(np.array([[2.0, 1.0, 0.3], [-0.5, 1.0, 2.0], [1.0, -2.0, 0.7]]))[0]
 

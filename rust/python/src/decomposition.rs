@@ -126,15 +126,20 @@ impl Decomposition {
 /// Parameters
 /// ----------
 /// mesh : Mesh
-/// method : {"m1", "m2", "m3", "naive", "heat"}
+/// method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
 ///     "m1": shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 7.3).
 ///     "m2": conformalized P-Laplace, for limbs and head (Sec. 7.4).
 ///     "m3": directional TV on a smooth base, keeps edges (Sec. 7.5).
-///     "naive": TV of each coordinate alone (Sec. 7.2). "heat": linear, for comparison.
+///     "naive": TV of each coordinate alone (Sec. 7.2).
+///     For comparison: "heat": linear diffusion. "lb": eigenfunctions of the Laplace–Beltrami
+///     operator (Vallet and Lévy 2008), each at the time 1/λ; the first component is what the
+///     `eigenpairs` do not hold. "displacement": the difference to a smooth base as the only
+///     component (Cignoni, Scopigno and Tarini 2005).
 /// times : (N+1,) array, optional
 ///     Increasing from 0, length². Default: `steps` times, evenly spaced at first and then in
 ///     log t, up to 3e-3 of the area for "m1", "naive" and "heat", 1e-2 for "m2" and 1e-3 for
-///     "m3": from skin to hands and feet, to whole limbs, to plates and muscles.
+///     "m3": from skin to hands and feet, to whole limbs, to plates and muscles. For "lb" from
+///     half the last 1/λ on, up to 3e-3 of the area or more. None for "displacement".
 /// steps : int
 ///     The number of steps N, where no times are given.
 /// progress : callable, optional
@@ -150,9 +155,12 @@ impl Decomposition {
 /// p : {3, 2, 1}
 ///     The P of "m2". Only 3 is zero-homogeneous.
 /// base : (V, 3) array, optional
-///     The smooth base of "m3". Default: the mesh under ten steps of `conformal_flow`.
+///     The smooth base of "m3" and "displacement". Default: the mesh under ten steps of
+///     `conformal_flow`.
 /// base_time : float, optional
 ///     How far that flow goes, length². Default: 5e-3 of the area.
+/// eigenpairs : int
+///     How many "lb" uses, the lowest; all of them if the mesh has no more. See `eigenpairs`.
 ///
 /// Returns
 /// -------
@@ -165,7 +173,7 @@ impl Decomposition {
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, progress = None, *,
                     scheme = "extrapolated", tolerance = 1e-3, solver = "auto", p = 3, base = None,
-                    base_time = None))]
+                    base_time = None, eigenpairs = 300))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -183,6 +191,7 @@ pub fn decompose(
     p: u32,
     base: Option<Bound<'_, PyAny>>,
     base_time: Option<f64>,
+    eigenpairs: usize,
 ) -> Result<Decomposition, Failure> {
     let request = Request {
         method,
@@ -194,6 +203,7 @@ pub fn decompose(
         p,
         base,
         base_time,
+        eigenpairs,
     };
     let task = start(mesh, &request, |inner| Decomposition { inner })?;
     task.wait(py, progress)
@@ -211,7 +221,7 @@ pub fn decompose(
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, *,
                     scheme = "extrapolated", tolerance = 1e-3, solver = "auto", p = 3, base = None,
-                    base_time = None))]
+                    base_time = None, eigenpairs = 300))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -227,6 +237,7 @@ pub fn start_decompose(
     p: u32,
     base: Option<Bound<'_, PyAny>>,
     base_time: Option<f64>,
+    eigenpairs: usize,
 ) -> Result<Job, Failure> {
     let request = Request {
         method,
@@ -238,6 +249,7 @@ pub fn start_decompose(
         p,
         base,
         base_time,
+        eigenpairs,
     };
     let task = start(mesh, &request, |inner| -> Convert {
         Box::new(move |py| Ok(Py::new(py, Decomposition { inner })?.into_any()))

@@ -4,6 +4,7 @@ mod arrays;
 mod decomposition;
 mod deformation;
 mod deformer;
+mod eigenpairs;
 mod eigenset;
 mod error;
 mod flow;
@@ -33,6 +34,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decomposition::start_decompose, module)?)?;
     module.add_function(wrap_pyfunction!(deformation::deform, module)?)?;
     module.add_function(wrap_pyfunction!(deformation::start_deform, module)?)?;
+    module.add_function(wrap_pyfunction!(eigenpairs::eigenpairs, module)?)?;
     module.add_function(wrap_pyfunction!(eigenset::eigenset_test, module)?)?;
     module.add_function(wrap_pyfunction!(eigenset::start_eigenset_test, module)?)?;
     module.add_function(wrap_pyfunction!(flowing::flow, module)?)?;

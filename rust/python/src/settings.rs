@@ -22,6 +22,7 @@ pub struct Request<'a, 'py> {
     pub p: u32,
     pub base: Option<Bound<'py, PyAny>>,
     pub base_time: Option<f64>,
+    pub eigenpairs: usize,
 }
 
 impl Request<'_, '_> {
@@ -40,8 +41,9 @@ impl Request<'_, '_> {
     }
 
     fn method(&self) -> Result<Method, Failure> {
-        if (self.base.is_some() || self.base_time.is_some()) && self.method != "m3" {
-            let message = "base and base_time are for the method \"m3\" only";
+        let has_base = matches!(self.method, "m3" | "displacement");
+        if (self.base.is_some() || self.base_time.is_some()) && !has_base {
+            let message = "base and base_time are for the methods \"m3\" and \"displacement\" only";
             return Err(Error::Argument(message.into()).into());
         }
         if self.base.is_some() && self.base_time.is_some() {
@@ -53,20 +55,30 @@ impl Request<'_, '_> {
             "naive" => Ok(Method::Naive),
             "m1" => Ok(Method::ShapeTv),
             "m2" => Ok(Method::ConformalLaplace { p: self.p }),
-            "m3" => Ok(Method::DirectionalTv {
-                base: match &self.base {
-                    Some(base) => Base::Shape(shape(base)?),
-                    None => Base::ConformalFlow {
-                        time: self.base_time,
-                        steps: None,
-                    },
-                },
+            "m3" => Ok(Method::DirectionalTv { base: self.base()? }),
+            "lb" if self.eigenpairs == 0 => {
+                Err(Error::Argument("eigenpairs must be at least 1".into()).into())
+            }
+            "lb" => Ok(Method::LaplaceBeltrami {
+                eigenpairs: self.eigenpairs,
             }),
+            "displacement" => Ok(Method::Displacement { base: self.base()? }),
             other => Err(Error::Argument(format!(
-                "method must be \"naive\", \"m1\", \"m2\", \"m3\" or \"heat\", not {other:?}"
+                "method must be \"m1\", \"m2\", \"m3\", \"naive\", \"heat\", \"lb\" or \
+                 \"displacement\", not {other:?}"
             ))
             .into()),
         }
+    }
+
+    fn base(&self) -> Result<Base, Failure> {
+        Ok(match &self.base {
+            Some(base) => Base::Shape(shape(base)?),
+            None => Base::ConformalFlow {
+                time: self.base_time,
+                steps: None,
+            },
+        })
     }
 }
 
@@ -75,7 +87,9 @@ impl Request<'_, '_> {
 ///
 /// Parameters
 /// ----------
-/// method : {"m1", "m2", "m3", "naive", "heat"}
+/// method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
+/// eigenpairs : int
+///     Of "lb", whose finest scale is that of the last.
 ///
 /// Returns
 /// -------
@@ -87,7 +101,8 @@ impl Request<'_, '_> {
 /// MeshError
 ///     If there is no such method.
 #[pyfunction]
-pub fn default_scales(method: &str) -> Result<(f64, f64), Failure> {
+#[pyo3(signature = (method, eigenpairs = 300))]
+pub fn default_scales(method: &str, eigenpairs: usize) -> Result<(f64, f64), Failure> {
     let request = Request {
         method,
         times: None,
@@ -98,6 +113,7 @@ pub fn default_scales(method: &str) -> Result<(f64, f64), Failure> {
         p: 3,
         base: None,
         base_time: None,
+        eigenpairs,
     };
     Ok(relative_scales(&request.method()?))
 }

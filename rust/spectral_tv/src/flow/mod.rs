@@ -1,12 +1,13 @@
 //! Flows u_t = −p(u), u(0) = f: what drives them, and how a step is taken.
 //!
 //! `heat`, `total_variation` and `conformal` are the laws; `semi_implicit` and `proximal` the
-//! ways to step. A new flow is a new law.
+//! ways to step. A new flow is a new law. `laplace_beltrami` knows its states without stepping.
 
 mod conformal;
 mod duality_gap;
 mod force;
 mod heat;
+mod laplace_beltrami;
 mod law;
 mod line;
 mod prediction;
@@ -19,6 +20,7 @@ mod trajectory;
 
 pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
 pub use heat::Heat;
+pub use laplace_beltrami::Eigenpairs;
 pub use law::Law;
 pub use proximal::proximal_flow;
 pub use semi_implicit::{Weights, semi_implicit_flow};

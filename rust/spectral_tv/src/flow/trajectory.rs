@@ -3,6 +3,7 @@
 use ndarray::{Array1, Array2, Array3, ArrayView1, ArrayView2, Axis};
 
 use crate::error::{Error, Result};
+use crate::monitor::Stage;
 use crate::operators::{Discretization, total_variation};
 
 /// A flow sampled at N + 1 times.
@@ -19,6 +20,29 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
+    /// A flow from `initial` (C, V) whose states are known: `state` gives u(t_k) for k > 0.
+    ///
+    /// # Errors
+    /// If the times do not increase from 0, a value is not finite, or the monitor was cancelled.
+    pub fn sampled(
+        operators: &Discretization,
+        times: &[f64],
+        initial: &Array2<f64>,
+        stage: Stage,
+        mut state: impl FnMut(usize) -> Array2<f64>,
+    ) -> Result<Self> {
+        let mut record = Recorder::new(operators, initial.view(), times)?;
+        for k in 1..times.len() {
+            stage.report(k as f64 / times.len() as f64)?;
+            let state = state(k);
+            let variation = total_variation(operators.gradient(), state.view());
+            let (gap, tau) = (0.0, times[k] - times[k - 1]);
+            record.push(&Solution { state, gap, tau }, variation);
+        }
+        stage.report(1.0)?;
+        Ok(record.finish())
+    }
+
     /// Mean of u(t_k) over the surface weighted by `weights` (V), (N + 1, C): the value of a set
     /// where the weights indicate it. `masses` are the V vertex areas.
     ///

@@ -1,14 +1,12 @@
 //! From a mesh and a method to a decomposition.
 
-use ndarray::{Array2, Array3, Axis};
+use ndarray::{Array2, Axis, concatenate};
 
 use crate::error::{Error, Result};
-use crate::flow::{
-    ConformalLaplace, Heat, Law, TotalVariation, Trajectory, Weights, proximal_flow,
-    semi_implicit_flow,
-};
+use crate::flow::{Eigenpairs, Law, Trajectory, Weights, proximal_flow, semi_implicit_flow};
 use crate::mesh::TriangleMesh;
-use crate::method::{Decomposition, Displacement, Method, default_times};
+use crate::method::representation::{Flowed, Representation};
+use crate::method::{Base, Decomposition, Displacement, Method, default_times, relative_scales};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
 use crate::solver::Solver;
@@ -16,6 +14,8 @@ use crate::spectral::SpectralTransform;
 
 /// Share of M3's progress that is given to its base.
 const BASE_SHARE: f64 = 0.25;
+/// Share of the progress of filtering by eigenpairs that is given to finding them.
+const EIGENPAIRS_SHARE: f64 = 0.95;
 
 /// How the weights of a step are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +34,7 @@ pub enum Scheme {
 pub struct Settings {
     /// The method.
     pub method: Method,
-    /// N + 1 times from 0, length²; `None`: [`default_times`].
+    /// N + 1 times from 0, length²; `None`: [`default_times`], or [`Eigenpairs::times`].
     pub times: Option<Vec<f64>>,
     /// Number of steps N, where no times are given.
     pub steps: usize,
@@ -49,45 +49,22 @@ pub struct Settings {
 /// # Errors
 /// If a setting makes no sense, a system cannot be solved, or the monitor was cancelled.
 pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Result<Decomposition> {
-    let times = match &settings.times {
-        Some(times) => times.clone(),
-        None => default_times(&settings.method, mesh.area(), settings.steps)?,
-    };
+    let has_steps = !matches!(
+        settings.method,
+        Method::LaplaceBeltrami { .. } | Method::Displacement { .. }
+    );
+    if matches!(settings.scheme, Scheme::Exact { .. }) && !has_steps {
+        return Err(no_exact_steps());
+    }
     let operators = Discretization::new(mesh);
     stage.report(0.0)?;
-    let run = |law: &dyn Law, values: &Array2<f64>, stage: Stage| {
-        let (scheme, solver) = (settings.scheme, settings.solver);
-        run_flow(&operators, law, scheme, values, &times, solver, stage)
-    };
-    let tv = |values: &Array2<f64>, stage: Stage| {
-        run(
-            &TotalVariation::starting_at(&operators, values.view())?,
-            values,
-            stage,
-        )
-    };
-    let shape = positions(mesh);
-    let mut displacement = None;
-    let trajectory = match &settings.method {
-        Method::Heat => run(&Heat, &shape, stage)?,
-        Method::Naive => {
-            let channel = |axis: usize| shape.row(axis).insert_axis(Axis(0)).to_owned();
-            let share = |axis: usize| stage.stage(axis as f64 / 3.0, (axis + 1) as f64 / 3.0);
-            let flow = |axis| tv(&channel(axis), share(axis));
-            side_by_side([flow(0)?, flow(1)?, flow(2)?])
-        }
-        Method::ShapeTv => tv(&shape, stage)?,
-        Method::ConformalLaplace { p } => {
-            run(&ConformalLaplace::new(mesh, &operators, *p)?, &shape, stage)?
-        }
-        Method::DirectionalTv { base } => {
-            let (solver, base_stage) = (settings.solver, stage.stage(0.0, BASE_SHARE));
-            let base = base.shape(mesh, &operators, solver, base_stage)?;
-            let representation = Displacement::between(mesh, &operators, base, solver, stage)?;
-            let trajectory = tv(&representation.distance, stage.stage(BASE_SHARE, 1.0))?;
-            displacement = Some(representation);
-            trajectory
-        }
+    let (trajectory, displacement) = match &settings.method {
+        Method::LaplaceBeltrami { eigenpairs } => (
+            by_eigenpairs(mesh, &operators, *eigenpairs, settings, stage)?,
+            None,
+        ),
+        Method::Displacement { base } => (by_base(mesh, &operators, base, settings, stage)?, None),
+        _ => by_steps(mesh, &operators, settings, stage)?,
     };
     let transform = SpectralTransform::new(trajectory);
     Ok(Decomposition::new(
@@ -95,6 +72,95 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
         displacement,
         mesh.vertex_areas(),
     ))
+}
+
+/// The flow of a method that takes time steps, and M3's representation.
+fn by_steps(
+    mesh: &TriangleMesh,
+    operators: &Discretization,
+    settings: &Settings,
+    stage: Stage,
+) -> Result<(Trajectory, Option<Displacement>)> {
+    let times = match &settings.times {
+        Some(times) => times.clone(),
+        None => default_times(&settings.method, mesh.area(), settings.steps)?,
+    };
+    let share = match settings.method {
+        Method::DirectionalTv { .. } => BASE_SHARE,
+        _ => 0.0,
+    };
+    let Representation {
+        flows,
+        displacement,
+    } = Representation::new(
+        mesh,
+        operators,
+        &settings.method,
+        settings.solver,
+        stage.stage(0.0, share),
+    )?;
+    let trajectory = run_flows(operators, &flows, settings, &times, stage.stage(share, 1.0))?;
+    Ok((trajectory, displacement))
+}
+
+/// Runs functions one after the other, the result as the flow of one function with all channels.
+pub(super) fn run_flows(
+    operators: &Discretization,
+    flows: &[Flowed],
+    settings: &Settings,
+    times: &[f64],
+    stage: Stage,
+) -> Result<Trajectory> {
+    let count = flows.len() as f64;
+    let run = |(index, Flowed { law, values }): (usize, &Flowed)| {
+        let stage = stage.stage(index as f64 / count, (index + 1) as f64 / count);
+        let (scheme, solver) = (settings.scheme, settings.solver);
+        run_flow(operators, &**law, scheme, values, times, solver, stage)
+    };
+    let trajectories: Vec<_> = flows.iter().enumerate().map(run).collect::<Result<_>>()?;
+    Ok(side_by_side(trajectories))
+}
+
+/// The flow of the positions by eigenpairs.
+fn by_eigenpairs(
+    mesh: &TriangleMesh,
+    operators: &Discretization,
+    count: usize,
+    settings: &Settings,
+    stage: Stage,
+) -> Result<Trajectory> {
+    let count = count.min(mesh.vertex_count());
+    let pairs = Eigenpairs::lowest(mesh, operators, count, stage.stage(0.0, EIGENPAIRS_SHARE))?;
+    let times = match &settings.times {
+        Some(times) => times.clone(),
+        None => {
+            let (_, largest) = relative_scales(&settings.method);
+            pairs.times(largest * mesh.area(), settings.steps)?
+        }
+    };
+    let stage = stage.stage(EIGENPAIRS_SHARE, 1.0);
+    pairs.flow(operators, &positions(mesh), &times, stage)
+}
+
+/// The displacement from a base as the only component, at the time that the base was smoothed
+/// for: the shape in one step, and then at rest.
+fn by_base(
+    mesh: &TriangleMesh,
+    operators: &Discretization,
+    base: &Base,
+    settings: &Settings,
+    stage: Stage,
+) -> Result<Trajectory> {
+    if settings.times.is_some() {
+        let message = "times are not for the method \"displacement\", which has one band";
+        return Err(Error::Argument(message.into()));
+    }
+    let shape = base.shape(mesh, operators, settings.solver, stage)?;
+    let time = base.duration(mesh.area());
+    let times = [0.0, time, 2.0 * time];
+    Trajectory::sampled(operators, &times, &positions(mesh), stage, |_| {
+        shape.clone()
+    })
 }
 
 /// Runs `law` from `values` (C, V) through `times` by `scheme`, the systems of semi-implicit
@@ -118,21 +184,21 @@ pub fn run_flow(
         Scheme::Exact { tolerance } if law.is_total_variation() => {
             proximal_flow(operators, tolerance, values, times, stage)
         }
-        Scheme::Exact { .. } => Err(Error::Argument(
-            "exact steps exist for total-variation flows only (naive, m1, m3)".into(),
-        )),
+        Scheme::Exact { .. } => Err(no_exact_steps()),
     }
 }
 
-/// Three flows of one channel each as one of three.
-fn side_by_side(flows: [Trajectory; 3]) -> Trajectory {
-    let (nodes, _, vertices) = flows[0].states.dim();
-    let mut states = Array3::zeros((nodes, 3, vertices));
-    for (axis, flow) in flows.iter().enumerate() {
-        states
-            .index_axis_mut(Axis(1), axis)
-            .assign(&flow.states.index_axis(Axis(1), 0));
+fn no_exact_steps() -> Error {
+    Error::Argument("exact steps exist for total-variation flows only (naive, m1, m3)".into())
+}
+
+/// Flows of one function each as one of all their channels.
+fn side_by_side(mut flows: Vec<Trajectory>) -> Trajectory {
+    if flows.len() == 1 {
+        return flows.remove(0);
     }
+    let states: Vec<_> = flows.iter().map(|flow| flow.states.view()).collect();
+    let states = concatenate(Axis(1), &states).expect("flows on one mesh at the same times");
     let over = |values: fn(&Trajectory) -> &Vec<f64>, merge: fn(f64, f64) -> f64| {
         (0..values(&flows[0]).len())
             .map(|k| flows.iter().map(|flow| values(flow)[k]).fold(0.0, merge))

@@ -41,6 +41,14 @@ impl Default for Base {
 }
 
 impl Base {
+    /// How far the flow to the base goes, length²; its default for a shape that is given.
+    pub fn duration(&self, area: f64) -> f64 {
+        match self {
+            Self::ConformalFlow { time, .. } => time.unwrap_or(BASE_TIME * area),
+            Self::Shape(_) => BASE_TIME * area,
+        }
+    }
+
     /// Ŝ for `mesh`, (3, V); systems are solved by `solver`.
     ///
     /// # Errors
@@ -54,10 +62,10 @@ impl Base {
         stage: Stage,
     ) -> Result<Array2<f64>> {
         match self {
-            Self::ConformalFlow { time, steps } => conformal_mean_curvature_flow(
+            Self::ConformalFlow { steps, .. } => conformal_mean_curvature_flow(
                 mesh,
                 operators,
-                time.unwrap_or(BASE_TIME * mesh.area()),
+                self.duration(mesh.area()),
                 steps.unwrap_or(BASE_STEPS),
                 solver,
                 stage,

@@ -1,12 +1,14 @@
 //! The methods that decompose a shape: which function is flowed, by which law, and how a
 //! filtered function becomes a shape again.
 //!
-//! A new method is a variant of [`Method`] and an arm of `run` in `decompose`.
+//! A new method is a variant of [`Method`] and an arm in `representation`, or in `decompose` if it
+//! takes no steps.
 
 mod decompose;
 mod decomposition;
 mod directional;
 mod outward;
+mod representation;
 mod schedule;
 
 pub use decompose::{Scheme, Settings, decompose, run_flow};
@@ -30,6 +32,18 @@ pub enum Method {
     },
     /// M3, directional TV: the displacement from a smooth base (Sec. 7.5).
     DirectionalTv {
+        /// The smooth base Ŝ.
+        base: Base,
+    },
+    /// The eigenfunctions of the Laplace–Beltrami operator (Vallet and Lévy 2008), for
+    /// comparison: components are ordered by 1/λ, the first is what the eigenpairs do not hold.
+    LaplaceBeltrami {
+        /// Number of eigenpairs, the lowest.
+        eigenpairs: usize,
+    },
+    /// The whole displacement from a smooth base as one component, S + k (S − Ŝ) if amplified
+    /// (Cignoni, Scopigno and Tarini 2005), for comparison.
+    Displacement {
         /// The smooth base Ŝ.
         base: Base,
     },

@@ -1,5 +1,7 @@
 //! Default time nodes.
 
+use std::f64::consts::PI;
+
 use crate::error::{Error, Result};
 use crate::method::Method;
 
@@ -41,7 +43,12 @@ pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>>
 pub fn relative_scales(method: &Method) -> (f64, f64) {
     match method {
         Method::Heat | Method::Naive | Method::ShapeTv => (1e-5, 3e-3),
+        // Weyl's law: the K-th eigenvalue of a surface is near 4πK/area.
+        Method::LaplaceBeltrami { eigenpairs } => {
+            let finest = 1.0 / (4.0 * PI * *eigenpairs as f64);
+            (finest, (8.0 * finest).max(3e-3))
+        }
         Method::ConformalLaplace { .. } => (1.5e-5, 1e-2),
-        Method::DirectionalTv { .. } => (1.5e-5, 1e-3),
+        Method::DirectionalTv { .. } | Method::Displacement { .. } => (1.5e-5, 1e-3),
     }
 }

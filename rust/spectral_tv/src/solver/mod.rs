@@ -1,13 +1,15 @@
-//! Solvers for the symmetric positive definite systems of a step.
+//! Solvers for the symmetric positive definite systems of a step, and for eigenpairs.
 //!
 //! [`LinearSolver`] is what steps use: it chooses between a [`Cholesky`] factorization and
 //! [`Multigrid`].
 
+mod block_lanczos;
 mod cholesky;
 mod conjugate_gradients;
 mod linear_solver;
 mod multigrid;
 
+pub use block_lanczos::{Operator, largest_eigenpairs};
 pub use cholesky::Cholesky;
 pub use conjugate_gradients::conjugate_gradients;
 pub use linear_solver::{LinearSolver, Solver};
