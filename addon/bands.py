@@ -10,7 +10,7 @@ import spectral_tv
 
 from .objects import Refusal
 from .records import band_keys, coordinates, digest, topology_digest
-from .settings import Settings
+from .settings import WITH_BASE, Settings, key_label
 from .shape_keys import add_displacements
 from .surface import Surface, basis_coordinates
 
@@ -31,11 +31,12 @@ MOST_FLOWS = 4
 
 
 def base_shape(obj: bpy.types.Object, settings: Settings, surface: Surface) -> np.ndarray | None:
-    """The base of M3 in the space of ``surface``, (V, 3); None for the smoothed shape.
+    """The base of the method in the space of ``surface``, (V, 3); None for the smoothed shape, or
+    if it has none.
 
     Raises Refusal if the shape key it should be does not exist.
     """
-    if settings.method != "M3" or settings.base == "FLOW":
+    if settings.method not in WITH_BASE or settings.base == "FLOW":
         return None
     shape = basis_coordinates(obj.data)
     if settings.base == "FLAT":
@@ -53,7 +54,7 @@ def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[st
 
     Raises Refusal or spectral_tv.MeshError if the object and the settings do not go together.
     """
-    if settings.bands >= settings.steps:
+    if settings.band_count >= settings.steps:
         raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
     if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
         raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
@@ -78,7 +79,7 @@ def add_bands(
 
     Keys of an earlier decomposition stay, but are no longer bands.
     """
-    edges = split.band_edges(settings.bands)
+    edges = split.band_edges(settings.band_count)
     displacements = surface.to_object(split.bands(edges))
     names = _write(obj, settings.method, settings.vertex_group, edges, displacements)
     _record(obj, settings, surface, split)
@@ -156,7 +157,7 @@ def _write(
     displacements: np.ndarray,
 ) -> list[str]:
     """Add the shape keys of the bands between ``edges`` and link the record to them."""
-    names = [f"{method.title()} Band {band + 1}" for band in range(len(displacements))]
+    names = [f"{key_label(method)} Band {band + 1}" for band in range(len(displacements))]
     keys = add_displacements(obj, names, displacements)
     bands = obj.data.shape_keys.spectral_tv.bands
     bands.clear()

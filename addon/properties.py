@@ -11,7 +11,7 @@ from bpy.props import (
 )
 
 from .segments import OUTPUTS
-from .settings import BASES, METHODS, Settings
+from .settings import BASES, METHOD_ITEMS, Settings
 
 
 def copy_choices(
@@ -26,7 +26,7 @@ class DecompositionProperties:
     """What the user chooses; sizes are percentages of the object's size (√ of its area)."""
 
     method: EnumProperty(
-        name="Method", description="What the bands split off", items=METHODS, default="M1"
+        name="Method", description="What the bands split off", items=METHOD_ITEMS, default="M1"
     )
     bands: IntProperty(
         name="Bands",
@@ -43,6 +43,15 @@ class DecompositionProperties:
         min=2,
         soft_max=128,
         max=1000,
+    )
+    eigenpairs: IntProperty(
+        name="Eigenfunctions",
+        description="Number of eigenfunctions, the coarsest. More of them hold finer detail; the "
+        "time grows with the square of their number",
+        default=300,
+        min=2,
+        soft_max=1000,
+        max=10000,
     )
     use_scales: BoolProperty(
         name="Custom Scales", description="Choose the range of sizes that the bands cover"
@@ -97,11 +106,22 @@ class DecompositionProperties:
             steps=self.steps,
             finest=self.finest / 100 if self.use_scales else 0.0,
             largest=self.largest / 100 if self.use_scales else 0.0,
+            eigenpairs=self.eigenpairs,
             base=self.base,
             base_amount=self.base_amount / 100 if self.use_base_amount else 0.0,
             base_key=self.base_key,
             vertex_group=self.vertex_group,
         )
+
+
+def draw_method(choices: DecompositionProperties, layout: bpy.types.UILayout) -> None:
+    """Lay out a method with what it needs."""
+    layout.prop(choices, "method")
+    if choices.method != "DISPLACEMENT":
+        layout.prop(choices, "bands")
+        layout.prop(choices, "steps")
+    if choices.method == "LB":
+        layout.prop(choices, "eigenpairs")
 
 
 class SpectralTVScene(DecompositionProperties, bpy.types.PropertyGroup):

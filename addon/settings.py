@@ -10,14 +10,39 @@ METHODS = (
     ("M1", "Shape Detail", "Surface detail of every size, the body undistorted (M1, shape TV)"),
     ("M2", "Limbs and Head", "Limbs, head, ears, tail (M2, conformalized 3-Laplace)"),
     ("M3", "Edge-Keeping Detail", "Detail with crisp edges: plates, folds (M3, directional TV)"),
+)
+COMPARISONS = (
     ("NAIVE", "Per Axis", "Each axis alone, which squares the shape along its axes"),
-    ("HEAT", "Heat", "Linear diffusion, which blurs edges; for comparison"),
+    ("HEAT", "Heat", "Linear diffusion, which blurs edges"),
+    (
+        "LB",
+        "Eigenfunctions",
+        "Waves on the surface, from fine to coarse (Laplace–Beltrami eigenfunctions). The first "
+        "band is what they do not hold",
+    ),
+    (
+        "DISPLACEMENT",
+        "Displacement",
+        "All detail as one band: the displacement from the smoothed shape (Cignoni et al. 2005)",
+    ),
+    ("M2_P2", "M2 with P = 2", "Conformalized mean curvature flow, of which M2 is made"),
+    ("M2_P1", "M2 with P = 1", "The conformalized 1-Laplace"),
+)
+# As the items of a menu, comparison methods apart.
+METHOD_ITEMS = (
+    ("", "Methods", ""),
+    *METHODS,
+    ("", "For Comparison", ""),
+    *COMPARISONS,
 )
 BASES = (
     ("FLOW", "Smoothed Shape", "The object itself, smoothed until its limbs are gone"),
     ("FLAT", "Flat", "The object flattened along its local Z axis: for reliefs and terrain"),
     ("KEY", "Shape Key", "One of the object's shape keys"),
 )
+# Methods that measure from a base, and those that take no time steps.
+WITH_BASE = ("M3", "DISPLACEMENT")
+STEPLESS = ("LB", "DISPLACEMENT")
 
 
 @dataclass(frozen=True)
@@ -33,26 +58,53 @@ class Settings:
     steps: int = 32
     finest: float = 0.0
     largest: float = 0.0
+    eigenpairs: int = 300
     base: str = "FLOW"
     base_amount: float = 0.0
     base_key: str = ""
     vertex_group: str = ""
+
+    @property
+    def band_count(self) -> int:
+        """How many bands there will be."""
+        return 1 if self.method == "DISPLACEMENT" else self.bands
 
     def arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
         """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
 
         Raises spectral_tv.MeshError if the scales make no sense.
         """
-        method = self.method.lower()
-        scales = zip((self.finest, self.largest), spectral_tv.default_scales(method), strict=True)
-        # A feature of the size l vanishes at a time of the order of l squared.
-        finest, largest = (mesh.area * (size**2 or default) for size, default in scales)
-        arguments: dict[str, Any] = {
-            "method": method,
-            "times": spectral_tv.graded_times(finest, largest, self.steps),
-        }
-        if self.method == "M3" and base is not None:
+        arguments = self.method_arguments(mesh, base)
+        if self.method == "LB":
+            arguments["eigenpairs"] = self.eigenpairs
+        if self.method == "LB" and not (self.finest or self.largest):
+            arguments["steps"] = self.steps
+        elif self.method != "DISPLACEMENT":
+            arguments["times"] = spectral_tv.graded_times(*self.scales(mesh), self.steps)
+        return arguments
+
+    def method_arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
+        """Those that name the method and its base."""
+        method, _, p = self.method.lower().partition("_p")
+        arguments: dict[str, Any] = {"method": method}
+        if p:
+            arguments["p"] = int(p)
+        if self.method in WITH_BASE and base is not None:
             arguments["base"] = base
-        elif self.method == "M3" and self.base_amount:
+        elif self.method in WITH_BASE and self.base_amount:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
+
+    def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
+        """The times of the finest and of the largest scale, length²."""
+        method = self.method.lower().partition("_p")[0]
+        defaults = spectral_tv.default_scales(method, self.eigenpairs)
+        # A feature of the size l vanishes at a time of the order of l squared.
+        pairs = zip((self.finest, self.largest), defaults, strict=True)
+        finest, largest = (mesh.area * (size**2 or default) for size, default in pairs)
+        return finest, largest
+
+
+def key_label(method: str) -> str:
+    """What the names of a method's shape keys begin with."""
+    return method if len(method) == 2 else method.replace("_", " ").title()

@@ -10,7 +10,7 @@ import spectral_tv
 
 from ..bands import add_bands, prepare, set_values
 from ..gains import curve_values
-from ..settings import METHODS, Settings
+from ..settings import COMPARISONS, METHODS, WITH_BASE, Settings
 from ..shape_keys import SLIDER_RANGE
 from .arguments import number, percent, whole
 from .progress import progress
@@ -39,16 +39,26 @@ All other formats hold the filtered shape."""
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Declare what is split off, and how it is filtered."""
         add = parser.add_argument
-        methods = ", ".join(f"{name.lower()}: {label}" for name, label, _ in METHODS)
+        methods, comparisons = (
+            ", ".join(f"{name.lower()}: {label}" for name, label, _ in items)
+            for items in (METHODS, COMPARISONS)
+        )
         add(
             "--method",
             type=str.lower,
-            choices=[name.lower() for name, _, _ in METHODS],
+            choices=[name.lower() for name, _, _ in METHODS + COMPARISONS],
             default="m1",
-            help=f"what the bands split off ({methods}); default m1",
+            help=f"what the bands split off ({methods}; for comparison {comparisons}); default m1",
         )
         add("--bands", metavar="N", type=whole(1, 32), default=5, help="1 to 32; default 5")
         add("--steps", metavar="N", type=whole(2, 1000), default=32, help="of the flow; default 32")
+        add(
+            "--eigenpairs",
+            metavar="N",
+            type=whole(2, 10000),
+            default=300,
+            help="number of eigenfunctions of lb; default 300",
+        )
         add(
             "--finest",
             metavar="PERCENT",
@@ -66,8 +76,8 @@ All other formats hold the filtered shape."""
         add(
             "--base",
             metavar="{flow,flat,KEY}",
-            help="from what m3 measures detail: the object smoothed (default), the object "
-            "flattened along its Z axis, or a shape key by its name",
+            help="from what m3 and displacement measure detail: the object smoothed (default), the "
+            "object flattened along its Z axis, or a shape key by its name",
         )
         add(
             "--base-amount",
@@ -102,17 +112,18 @@ All other formats hold the filtered shape."""
 
     def complaint(self, choices: argparse.Namespace) -> str | None:
         """What is wrong with them together."""
-        if choices.bands >= choices.steps:
-            return f"{choices.bands} bands need more than {choices.steps} steps"
+        bands = settings(choices).band_count
+        if bands >= choices.steps:
+            return f"{bands} bands need more than {choices.steps} steps"
         if 0 < choices.largest <= choices.finest:
             return "--largest has to be larger than --finest"
-        if choices.method != "m3" and (choices.base or choices.base_amount):
-            return "--base and --base-amount go with --method m3"
+        if choices.method.upper() not in WITH_BASE and (choices.base or choices.base_amount):
+            return "--base and --base-amount go with --method m3 or displacement"
         if choices.base_amount and choices.base not in (None, "flow"):
             return "--base-amount goes with the smoothed base, --base flow"
         for band, _ in choices.gains:
-            if band is not None and band > choices.bands:
-                return f"there is no band {band} among {choices.bands}"
+            if band is not None and band > bands:
+                return f"there is no band {band} among {bands}"
         return None
 
     def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
@@ -135,6 +146,7 @@ def settings(choices: argparse.Namespace) -> Settings:
         steps=choices.steps,
         finest=choices.finest,
         largest=choices.largest,
+        eigenpairs=choices.eigenpairs,
         base="KEY" if is_key else base.upper(),
         base_amount=choices.base_amount or 0.0,
         base_key=base if is_key else "",
@@ -144,12 +156,13 @@ def settings(choices: argparse.Namespace) -> Settings:
 
 def band_values(choices: argparse.Namespace) -> list[float]:
     """The value of every band's shape key."""
-    values = [0.0] * choices.bands
+    count = settings(choices).band_count
+    values = [0.0] * count
     if choices.curve is not None:
         positions, heights = zip(*choices.curve, strict=True)
-        values = curve_values(lambda x: float(np.interp(x, positions, heights)), choices.bands)
+        values = curve_values(lambda x: float(np.interp(x, positions, heights)), count)
     for band, gain in choices.gains:
-        for index in range(choices.bands) if band is None else (band - 1,):
+        for index in range(count) if band is None else (band - 1,):
             values[index] = gain - 1
     return values
 

@@ -7,7 +7,8 @@ import bpy
 import spectral_tv
 
 from ..bands import add_bands, prepare, recall
-from ..properties import DecompositionProperties
+from ..properties import DecompositionProperties, draw_method
+from ..settings import key_label
 from ..surface import Surface
 from ._job import JobOperator
 
@@ -43,16 +44,15 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.O
         self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
     ) -> str:
         surface, arguments = prepared
-        add_bands(obj, self.settings(), surface, arguments, result)
-        return f"{self.bands} bands of {self.method} added"
+        names = add_bands(obj, self.settings(), surface, arguments, result)
+        bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
+        return f"{bands} of {key_label(self.method)} added"
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(self, "method")
-        layout.prop(self, "bands")
-        layout.prop(self, "steps")
+        draw_method(self, layout)
 
 
 CLASSES = (SPECTRAL_TV_OT_decompose,)

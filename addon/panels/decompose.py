@@ -5,7 +5,8 @@ import bpy
 from .. import jobs
 from ..objects import refusal
 from ..operators.decompose import SPECTRAL_TV_OT_decompose
-from ..properties import DecompositionProperties, copy_choices
+from ..properties import DecompositionProperties, copy_choices, draw_method
+from ..settings import WITH_BASE
 from ._sidebar import Sidebar, draw_progress, say
 
 
@@ -21,9 +22,7 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
         settings = context.scene.spectral_tv
         column = layout.column()
         column.active = jobs.running() is None
-        column.prop(settings, "method")
-        column.prop(settings, "bands")
-        column.prop(settings, "steps")
+        draw_method(settings, column)
         obj = context.active_object
         if obj is not None and obj.type == "MESH":
             column.prop_search(settings, "vertex_group", obj, "vertex_groups", text="Limit to")
@@ -49,6 +48,10 @@ class SPECTRAL_TV_PT_scales(Sidebar, bpy.types.Panel):
     bl_parent_id = "SPECTRAL_TV_PT_decompose"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene.spectral_tv.method != "DISPLACEMENT"
+
     def draw_header(self, context: bpy.types.Context) -> None:
         self.layout.prop(context.scene.spectral_tv, "use_scales", text="")
 
@@ -63,7 +66,7 @@ class SPECTRAL_TV_PT_scales(Sidebar, bpy.types.Panel):
 
 
 class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
-    """The base of the edge-keeping method"""
+    """The base from which detail is measured"""
 
     bl_label = "Base"
     bl_parent_id = "SPECTRAL_TV_PT_decompose"
@@ -71,7 +74,7 @@ class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene.spectral_tv.method == "M3"
+        return context.scene.spectral_tv.method in WITH_BASE
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
