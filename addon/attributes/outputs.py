@@ -31,6 +31,7 @@ class SpectralTVMesh(bpy.types.PropertyGroup):
     outputs: CollectionProperty(type=SpectralTVOutput)
     table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
     picture: PointerProperty(type=bpy.types.Image, name="Picture", description="Of the same")
+    accuracy: PointerProperty(type=bpy.types.Text, name="Accuracy", description="Of its bands")
 
 
 def write(obj: bpy.types.Object, source: Source, results: dict[str, np.ndarray]) -> list[str]:

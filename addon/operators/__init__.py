@@ -4,6 +4,7 @@ import bpy
 
 from . import (
     _job,
+    accuracy,
     attributes,
     bake_deformation,
     constraints,
@@ -20,6 +21,7 @@ from . import (
 _FILES = (
     _job,
     decompose,
+    accuracy,
     filter,
     mix,
     constraints,

@@ -1,15 +1,19 @@
 """The panel of the bands: the spectrum, a slider per band, filters."""
 
 import math
+from itertools import chain
 
 import bpy
 
-from .. import filter_curve, spectrum
+from .. import accuracy, filter_curve, jobs, spectrum
 from ..gains import PRESETS
 from ..operators import filter as operators
+from ..operators.accuracy import SPECTRAL_TV_OT_measure_accuracy
 from ..operators.mix import SPECTRAL_TV_OT_take_bands
+from ..properties import DecompositionProperties, copy_choices
 from ..records import SpectralTVRecord, band_keys, record_of, topology_changed
-from ._sidebar import Sidebar, say
+from ..settings import STEPLESS
+from ._sidebar import Sidebar, draw_progress, say
 
 
 class BandsPanel(Sidebar):
@@ -124,4 +128,43 @@ class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
         layout.operator(operators.SPECTRAL_TV_OT_apply_curve.bl_idname)
 
 
-CLASSES = (SPECTRAL_TV_PT_bands, SPECTRAL_TV_PT_filters, SPECTRAL_TV_PT_curve)
+class SPECTRAL_TV_PT_accuracy(BandsPanel, bpy.types.Panel):
+    """How accurate the bands are for the number of steps"""
+
+    bl_label = "Accuracy"
+    bl_parent_id = "SPECTRAL_TV_PT_bands"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.active_object
+        return super().poll(context) and record_of(obj).method not in STEPLESS
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        settings, obj = context.scene.spectral_tv, context.active_object
+        record = record_of(obj)
+        layout.prop(settings, "steps")
+        if jobs.running() is not None:
+            draw_progress(layout, context)
+            return
+        operator = layout.operator(
+            SPECTRAL_TV_OT_measure_accuracy.bl_idname, icon="DRIVER_DISTANCE"
+        )
+        copy_choices(DecompositionProperties, settings, operator)
+        operator.method, operator.bands = record.method, len(record.bands)
+        text = obj.data.spectral_tv.accuracy
+        if text is None:
+            return
+        grid = layout.grid_flow(columns=3, row_major=True, align=True, even_columns=True)
+        for cell in chain.from_iterable(accuracy.summary(text.as_string())):
+            grid.label(text=cell)
+        layout.label(text=text.name, icon="TEXT")
+
+
+CLASSES = (
+    SPECTRAL_TV_PT_bands,
+    SPECTRAL_TV_PT_filters,
+    SPECTRAL_TV_PT_curve,
+    SPECTRAL_TV_PT_accuracy,
+)

@@ -14,6 +14,7 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 """
 
 from spectral_tv._native import (
+    Accuracy,
     Cancelled,
     Decomposition,
     Deformation,
@@ -24,6 +25,7 @@ from spectral_tv._native import (
     Mesh,
     MeshError,
     __version__,
+    accuracy,
     conformal_flow,
     cosegment,
     decompose,
@@ -33,6 +35,7 @@ from spectral_tv._native import (
     eigenset_test,
     flow,
     graded_times,
+    start_accuracy,
     start_cosegment,
     start_decompose,
     start_deform,
@@ -42,6 +45,7 @@ from spectral_tv._native import (
 )
 
 __all__ = [
+    "Accuracy",
     "Cancelled",
     "Decomposition",
     "Deformation",
@@ -52,6 +56,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "__version__",
+    "accuracy",
     "conformal_flow",
     "cosegment",
     "decompose",
@@ -61,6 +66,7 @@ __all__ = [
     "eigenset_test",
     "flow",
     "graded_times",
+    "start_accuracy",
     "start_cosegment",
     "start_decompose",
     "start_deform",

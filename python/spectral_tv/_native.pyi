@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "Accuracy",
     "Cancelled",
     "Decomposition",
     "Deformation",
@@ -15,6 +16,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "__version__",
+    "accuracy",
     "conformal_flow",
     "cosegment",
     "decompose",
@@ -24,6 +26,7 @@ __all__ = [
     "eigenset_test",
     "flow",
     "graded_times",
+    "start_accuracy",
     "start_cosegment",
     "start_decompose",
     "start_deform",
@@ -33,6 +36,7 @@ __all__ = [
 ]
 __version__: str
 
+_Stepped = Literal["m1", "m2", "m3", "naive", "heat"]
 _Method = Literal["m1", "m2", "m3", "naive", "heat", "lb", "displacement"]
 _Scheme = Literal["extrapolated", "lagged", "exact"]
 _Algorithm = Literal["convex", "paper", "harmonic", "biharmonic", "arap"]
@@ -88,6 +92,25 @@ class Decomposition:
     def band_edges(self, count: int) -> NDArray[np.float64]: ...
     def bands(self, edges: ArrayLike) -> NDArray[np.float64]: ...
     def filter(self, gains: ArrayLike | Callable[[float], float]) -> NDArray[np.float64]: ...
+
+@final
+class Accuracy:
+    @property
+    def steps(self) -> NDArray[np.int64]: ...
+    @property
+    def edges(self) -> NDArray[np.float64]: ...
+    @property
+    def all_pass(self) -> NDArray[np.float64]: ...
+    @property
+    def paper_all_pass(self) -> NDArray[np.float64]: ...
+    @property
+    def bands(self) -> NDArray[np.float64]: ...
+    @property
+    def paper_bands(self) -> NDArray[np.float64]: ...
+    @property
+    def relative(self) -> NDArray[np.float64]: ...
+    @property
+    def paper_relative(self) -> NDArray[np.float64]: ...
 
 @final
 class Deformation:
@@ -190,6 +213,37 @@ def start_decompose(
     base: ArrayLike | None = None,
     base_time: float | None = None,
     eigenpairs: int = 300,
+) -> Job: ...
+def accuracy(
+    mesh: Mesh,
+    method: _Stepped = "m1",
+    steps: ArrayLike | None = None,
+    bands: int = 5,
+    progress: _Progress | None = None,
+    *,
+    scales: tuple[float, float] | None = None,
+    refinement: int = 8,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    solver: _Solver = "auto",
+    p: int = 3,
+    base: ArrayLike | None = None,
+    base_time: float | None = None,
+) -> Accuracy: ...
+def start_accuracy(
+    mesh: Mesh,
+    method: _Stepped = "m1",
+    steps: ArrayLike | None = None,
+    bands: int = 5,
+    *,
+    scales: tuple[float, float] | None = None,
+    refinement: int = 8,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    solver: _Solver = "auto",
+    p: int = 3,
+    base: ArrayLike | None = None,
+    base_time: float | None = None,
 ) -> Job: ...
 def eigenpairs(
     mesh: Mesh, count: int, progress: _Progress | None = None

@@ -1,5 +1,6 @@
 //! Python bindings: NumPy in, NumPy out, the work in a thread without the GIL.
 
+mod accuracy;
 mod arrays;
 mod decomposition;
 mod deformation;
@@ -26,10 +27,13 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<mesh::Mesh>()?;
     module.add_class::<flow::Flow>()?;
     module.add_class::<decomposition::Decomposition>()?;
+    module.add_class::<accuracy::Accuracy>()?;
     module.add_class::<deformation::Deformation>()?;
     module.add_class::<deformer::Deformer>()?;
     module.add_class::<eigenset::EigensetTest>()?;
     module.add_class::<job::Job>()?;
+    module.add_function(wrap_pyfunction!(accuracy::accuracy, module)?)?;
+    module.add_function(wrap_pyfunction!(accuracy::start_accuracy, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::start_decompose, module)?)?;
     module.add_function(wrap_pyfunction!(deformation::deform, module)?)?;

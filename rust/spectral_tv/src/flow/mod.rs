@@ -17,6 +17,7 @@ mod semi_implicit;
 mod time_step;
 mod total_variation;
 mod trajectory;
+mod velocity;
 
 pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
 pub use heat::Heat;
@@ -26,3 +27,4 @@ pub use proximal::proximal_flow;
 pub use semi_implicit::{Weights, semi_implicit_flow};
 pub use total_variation::TotalVariation;
 pub use trajectory::Trajectory;
+pub use velocity::velocity;

@@ -4,6 +4,7 @@
 //! A new method is a variant of [`Method`] and an arm in `representation`, or in `decompose` if it
 //! takes no steps.
 
+mod accuracy;
 mod decompose;
 mod decomposition;
 mod directional;
@@ -11,6 +12,7 @@ mod outward;
 mod representation;
 mod schedule;
 
+pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
 pub use decompose::{Scheme, Settings, decompose, run_flow};
 pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement};

@@ -1,0 +1,110 @@
+"""The accuracy of a decomposition as a table, attributes and colours."""
+
+import csv
+import io
+from itertools import chain
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from .attributes.outputs import write as write_outputs
+from .attributes.sources import Source
+from .surface import Surface
+
+# Of the heat map, from no error to the largest.
+RAMP = ((0.05, 0.08, 0.35), (0.1, 0.5, 0.55), (0.95, 0.9, 0.3))
+# What is written per vertex: the label, what of spectral_tv.Accuracy it is, and its short name.
+ERRORS = (
+    ("Error of Bands", "bands", "BANDS"),
+    ("All-Pass Error", "all_pass", "ALL_PASS"),
+    ("Paper's Error of Bands", "paper_bands", "PAPER_BANDS"),
+    ("Paper's All-Pass Error", "paper_all_pass", "PAPER_ALL_PASS"),
+)
+
+
+def table(surface: Surface, result: spectral_tv.Accuracy) -> str:
+    """Errors by number of steps as CSV, in percent.
+
+    Distances are root mean squares over the surface relative to the object's size, errors of bands
+    relative to the band.
+    """
+    mesh = surface.mesh
+    areas = mesh.vertex_areas / mesh.vertex_areas.sum()
+
+    def mean(distances: np.ndarray) -> np.ndarray:
+        return 100 * np.sqrt((distances**2 @ areas) / mesh.area)
+
+    bands = range(1, result.relative.shape[1] + 1)
+    heads = [
+        "Steps",
+        *(label for label, _, _ in ERRORS),
+        *(f"Band {band}" for band in bands),
+        *(f"Paper's Band {band}" for band in bands),
+    ]
+    columns = [mean(getattr(result, name)) for _, name, _ in ERRORS]
+    rows = zip(
+        result.steps, *columns, 100 * result.relative, 100 * result.paper_relative, strict=True
+    )
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(heads)
+    for steps, *values, relative, paper in rows:
+        writer.writerow([steps, *(f"{value:.3g}" for value in chain(values, relative, paper))])
+    return stream.getvalue()
+
+
+def summary(text: str) -> list[tuple[str, str, str]]:
+    """The table in short: steps, the mean error of the bands, the paper's all-pass error."""
+    rows = list(csv.DictReader(io.StringIO(text)))
+    short = [("Steps", "Bands", "All-pass (paper)")]
+    for row in rows:
+        bands = [float(value) for name, value in row.items() if name.startswith("Band ")]
+        all_pass = float(row["Paper's All-Pass Error"])
+        short.append(
+            (
+                row["Steps"],
+                f"{sum(bands) / len(bands):.2g} %",
+                f"{all_pass:.2g} %",
+            )
+        )
+    return short
+
+
+def write(
+    obj: bpy.types.Object,
+    method: str,
+    surface: Surface,
+    result: spectral_tv.Accuracy,
+    shown: str,
+) -> list[str]:
+    """Write the errors of the most steps as attributes, in the unit of the scene; name them.
+
+    The one that is ``shown`` is the active color attribute too. The table is kept as a text, that
+    of the last time replaced.
+    """
+    most = int(np.argmax(result.steps))
+    errors = {label: getattr(result, name)[most][surface.place] for label, name, _ in ERRORS}
+    scalars = Source("ATTRIBUTE", method, np.zeros((len(surface.place), 1)))
+    columns = {label: values[:, np.newaxis] for label, values in errors.items()}
+    names = write_outputs(obj, scalars, columns)
+    label = next(label for label, _, short in ERRORS if short == shown)
+    colours = Source("ATTRIBUTE", method, np.zeros((0, 3)), np.ones(len(surface.place)))
+    names += write_outputs(obj, colours, {"Error Color": heat_map(errors[label])})
+    obj.data.color_attributes.active_color = obj.data.color_attributes[names[-1]]
+    kept = obj.data.spectral_tv
+    name = f"{obj.name} Accuracy.csv"
+    if kept.accuracy is None:
+        kept.accuracy = bpy.data.texts.new(name)
+    kept.accuracy.name = name
+    kept.accuracy.from_string(table(surface, result))
+    return names
+
+
+def heat_map(values: np.ndarray) -> np.ndarray:
+    """Colours (V, 3) of values (V,) from 0 to their largest."""
+    shares = values / max(values.max(), np.finfo(float).tiny)
+    stops = np.linspace(0, 1, len(RAMP))
+    return np.column_stack(
+        [np.interp(shares, stops, channel) for channel in zip(*RAMP, strict=True)]
+    )

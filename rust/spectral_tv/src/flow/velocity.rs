@@ -1,0 +1,17 @@
+//! p(u), the velocity −u_t that a law gives a state.
+
+use ndarray::{Array2, ArrayView2, aview1};
+
+use crate::flow::force::Force;
+use crate::flow::law::Law;
+use crate::operators::Discretization;
+
+/// p(u) = M(u)⁻¹ L(w(u)) u at the state u (C, V) (Brokman et al. 2024, Eq. 49), (C, V).
+pub fn velocity(operators: &Discretization, law: &dyn Law, state: ArrayView2<f64>) -> Array2<f64> {
+    let norms = operators.gradient().norms(state);
+    let force = Force::new(operators, law, &norms, state);
+    match law.masses(state) {
+        Some(masses) => force.flux / aview1(&masses),
+        None => force.flux / aview1(operators.masses()),
+    }
+}

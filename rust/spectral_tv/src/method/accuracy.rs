@@ -1,0 +1,236 @@
+//! How accurate a decomposition is for its number of steps.
+//!
+//! A filter that passes everything has to give the shape back, and the paper measures accuracy
+//! by what it leaves out (Brokman et al. 2024, Sec. 9.2). With the transform of
+//! [`crate::spectral`] nothing is left out at any step, so what tells is the difference of the
+//! bands to those of a refined flow. Both are measured, for the steps asked for and for the
+//! paper's.
+
+use ndarray::{Array1, Array2, Axis};
+
+use crate::error::{Error, Result};
+use crate::flow::{Trajectory, Weights, velocity};
+use crate::mesh::TriangleMesh;
+use crate::method::decompose::{Scheme, Settings, run_flows};
+use crate::method::representation::{Flowed, Representation};
+use crate::method::{default_times, graded_times};
+use crate::monitor::Stage;
+use crate::operators::Discretization;
+use crate::spectral::{SpectralTransform, even_edges};
+
+/// Share of the progress that is given to the representation.
+const REPRESENTATION_SHARE: f64 = 0.1;
+
+/// What is measured.
+#[derive(Debug, Clone)]
+pub struct AccuracyRequest {
+    /// How the shape is decomposed; its `times` and `steps` are not used.
+    pub settings: Settings,
+    /// The numbers of steps, n.
+    pub steps: Vec<usize>,
+    /// The finest and the largest scale, length², as [`graded_times`] takes them; `None`: those
+    /// of the method.
+    pub scales: Option<(f64, f64)>,
+    /// Number of bands K.
+    pub bands: usize,
+    /// The refined flow has so many times the most steps.
+    pub refinement: usize,
+}
+
+/// The errors of one way of stepping.
+#[derive(Debug, Clone)]
+pub struct Errors {
+    /// |f^1 − f| for the filter H = 1, for every number of steps and vertex, (n, V), length.
+    pub all_pass: Array2<f64>,
+    /// The root of the sum over bands of |band − refined band|², (n, V), length.
+    pub bands: Array2<f64>,
+    /// ‖band − refined band‖ / ‖refined band‖ over the surface, (n, K).
+    pub relative: Array2<f64>,
+}
+
+/// What was measured.
+#[derive(Debug, Clone)]
+pub struct Accuracy {
+    /// The numbers of steps, n.
+    pub steps: Vec<usize>,
+    /// Where the K bands begin and end, K + 1, length².
+    pub edges: Vec<f64>,
+    /// Of the settings' steps and the exact transform.
+    pub ours: Errors,
+    /// Of the paper's: weights lagged by a step, and R = T p(u(T)) + u(T) with p taken at u(T).
+    pub paper: Errors,
+}
+
+/// Measures how the errors of a decomposition of `mesh` fall with the number of steps.
+///
+/// # Errors
+/// If there are no steps, no bands or no refinement, the method takes no steps, or as
+/// [`crate::method::decompose`].
+pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) -> Result<Accuracy> {
+    let AccuracyRequest {
+        settings, steps, ..
+    } = request;
+    let Some(&most) = steps.iter().max() else {
+        return Err(Error::Argument("steps must have at least one value".into()));
+    };
+    if request.refinement < 2 {
+        let message = format!("refinement must be at least 2, not {}", request.refinement);
+        return Err(Error::Argument(message));
+    }
+    let times = |steps: usize| match request.scales {
+        Some((finest, largest)) => graded_times(finest, largest, steps),
+        None => default_times(&settings.method, mesh.area(), steps),
+    };
+    for &count in steps {
+        if count < 2 {
+            let message = format!("steps must be at least 2, not {count}");
+            return Err(Error::Argument(message));
+        }
+    }
+    let edges = even_edges(&times(most)?, request.bands)?;
+    let operators = Discretization::new(mesh);
+    let (method, solver) = (&settings.method, settings.solver);
+    let share = stage.stage(0.0, REPRESENTATION_SHARE);
+    let Representation { flows, .. } =
+        Representation::new(mesh, &operators, method, solver, share)?;
+
+    let refined = request.refinement * most;
+    let work = (refined + 2 * steps.iter().sum::<usize>()) as f64;
+    let mut done = 0;
+    let mut run = |scheme: Scheme, count: usize| {
+        let share =
+            |done: usize| REPRESENTATION_SHARE + (1.0 - REPRESENTATION_SHARE) * done as f64 / work;
+        let stage = stage.stage(share(done), share(done + count));
+        done += count;
+        let settings = Settings {
+            scheme,
+            ..settings.clone()
+        };
+        run_flows(&operators, &flows, &settings, &times(count)?, stage)
+    };
+    let refined = bands(&run(settings.scheme, refined)?, &edges);
+    let mut measure = |scheme: Scheme, is_paper: bool| {
+        let mut errors = Errors {
+            all_pass: Array2::zeros((0, mesh.vertex_count())),
+            bands: Array2::zeros((0, mesh.vertex_count())),
+            relative: Array2::zeros((0, request.bands)),
+        };
+        for &count in steps {
+            let trajectory = run(scheme, count)?;
+            let (distance, relative) =
+                band_errors(&bands(&trajectory, &edges), &refined, operators.masses());
+            let transform = SpectralTransform::new(trajectory);
+            let all_pass = match is_paper {
+                true => paper_all_pass(&operators, &flows, &transform),
+                false => transform.filter(&vec![1.0; transform.component_times().len()])?,
+            };
+            let initial = transform.trajectory().states.index_axis(Axis(0), 0);
+            let rows = [lengths(&(all_pass - initial)), distance, relative];
+            for (table, row) in [
+                &mut errors.all_pass,
+                &mut errors.bands,
+                &mut errors.relative,
+            ]
+            .into_iter()
+            .zip(&rows)
+            {
+                table.push_row(row.view()).expect("rows of one length");
+            }
+        }
+        Ok::<_, Error>(errors)
+    };
+    let ours = measure(settings.scheme, false)?;
+    let paper = measure(Scheme::SemiImplicit(Weights::Lagged), true)?;
+    stage.report(1.0)?;
+    Ok(Accuracy {
+        steps: steps.clone(),
+        edges,
+        ours,
+        paper,
+    })
+}
+
+/// ∫ φ dt + T p(u(T)) + u(T) (Brokman et al. 2024, Eq. 53 for H = 1), (C, V): central differences
+/// for u_tt and the trapezoidal rule give Σ φ_k whatever the nodes; p is taken at u(T).
+fn paper_all_pass(
+    operators: &Discretization,
+    flows: &[Flowed],
+    transform: &SpectralTransform,
+) -> Array2<f64> {
+    let ones = vec![1.0; transform.component_times().len()];
+    let times = transform.times();
+    let (last, states) = (times.len() - 1, &transform.trajectory().states);
+    let end = states.index_axis(Axis(0), last);
+    let mut shape = transform.combination(&ones) + end;
+    let mut first = 0;
+    for Flowed { law, values } in flows {
+        let channels = first..first + values.nrows();
+        let part = end.slice_axis(Axis(0), channels.clone().into());
+        let velocity = velocity(operators, &**law, part);
+        let mut part = shape.slice_axis_mut(Axis(0), channels.into());
+        part.scaled_add(times[last], &velocity);
+        first += values.nrows();
+    }
+    shape
+}
+
+/// The bands between `edges`, (C, V) each, with components spread evenly around their times.
+///
+/// Sums of components of the same flow at other times differ by what falls to the wrong side of
+/// an edge; u − t u_t, interpolated linearly between the midpoints of the steps, does not.
+fn bands(trajectory: &Trajectory, edges: &[f64]) -> Vec<Array2<f64>> {
+    let (times, states) = (&trajectory.times, &trajectory.states);
+    let state = |k: usize| states.index_axis(Axis(0), k);
+    let steps = times.len() - 1;
+    // u at t = 0, and from then on at the middle of step k − 1.
+    let node = |k: usize| match k {
+        0 => 0.0,
+        k => 0.5 * (times[k - 1] + times[k]),
+    };
+    let value = |k: usize| match k {
+        0 => state(0).to_owned(),
+        k => {
+            let reach = times[k - 1] / (times[k] - times[k - 1]);
+            &state(k - 1) + &((&state(k - 1) - &state(k)) * reach)
+        }
+    };
+    let intercept = |edge: f64| {
+        let k = (1..steps).find(|&k| edge < node(k)).unwrap_or(steps);
+        let share = (edge - node(k - 1)) / (node(k) - node(k - 1));
+        value(k - 1) * (1.0 - share) + value(k) * share
+    };
+    let mut before = intercept(edges[0]);
+    let mut bands = Vec::with_capacity(edges.len() - 1);
+    for &edge in &edges[1..] {
+        let after = intercept(edge);
+        bands.push(&before - &after);
+        before = after;
+    }
+    bands
+}
+
+/// The distance of `bands` from `refined` at every vertex, over all bands together, and of each
+/// band relative to its norm.
+fn band_errors(
+    bands: &[Array2<f64>],
+    refined: &[Array2<f64>],
+    masses: &[f64],
+) -> (Array1<f64>, Array1<f64>) {
+    let mut squares = Array1::zeros(masses.len());
+    let mut relative = Vec::with_capacity(bands.len());
+    let norm = |lengths: &Array1<f64>| {
+        let terms = lengths.iter().zip(masses);
+        terms.map(|(d, mass)| mass * d * d).sum::<f64>().sqrt()
+    };
+    for (band, refined) in bands.iter().zip(refined) {
+        let distance = lengths(&(band - refined));
+        relative.push(norm(&distance) / norm(&lengths(refined)).max(f64::MIN_POSITIVE));
+        squares += &distance.mapv(|d| d * d);
+    }
+    (squares.mapv(f64::sqrt), relative.into())
+}
+
+/// |·| at every vertex, over all channels of `values` (C, V).
+fn lengths(values: &Array2<f64>) -> Array1<f64> {
+    values.map_axis(Axis(0), |value| value.dot(&value).sqrt())
+}
