@@ -60,6 +60,8 @@ pictures: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo.methods .build/pictures/creature.blend docs/pictures
 	$(BIN)/python -m tools.demo.deformations .build/pictures/creature.blend \
 	  docs/pictures/deformations.png
+	$(BIN)/python -m tools.demo.comparisons .build/pictures/creature.blend \
+	  docs/pictures/comparisons.png
 
 clean:
 	rm -rf $(VENV) target dist demo .build
