@@ -2,6 +2,7 @@
 
 import uuid
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import bpy
@@ -80,13 +81,13 @@ def add_bands(
     Keys of an earlier decomposition stay, but are no longer bands.
     """
     edges = split.band_edges(settings.band_count)
-    displacements = surface.to_object(split.bands(edges))
-    names = _write(obj, settings.method, settings.vertex_group, edges, displacements)
+    flow = Flow(split, surface, _source(surface, arguments))
+    names = _write(obj, settings.method, settings.vertex_group, edges, flow)
     _record(obj, settings, surface, split)
     while len(_flows) >= MOST_FLOWS:
         del _flows[next(iter(_flows))]
     identifier = obj.data.shape_keys.spectral_tv.identifier
-    _flows[identifier] = Flow(split, surface, _source(surface, arguments))
+    _flows[identifier] = flow
     return names
 
 
@@ -102,11 +103,10 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
         raise Refusal("its vertices or faces changed since; decompose it again")
     flow = _flows[record.identifier]
     edges = flow.split.band_edges(count)
-    displacements = flow.surface.to_object(flow.split.bands(edges))
     for key in band_keys(obj):
         if key is not None:
             obj.shape_key_remove(key)
-    return _write(obj, record.method, record.vertex_group, edges, displacements)
+    return _write(obj, record.method, record.vertex_group, edges, flow)
 
 
 def set_values(obj: bpy.types.Object, values: list[float]) -> None:
@@ -154,10 +154,14 @@ def _write(
     method: str,
     vertex_group: str,
     edges: np.ndarray,
-    displacements: np.ndarray,
+    flow: Flow,
 ) -> list[str]:
     """Add the shape keys of the bands between ``edges`` and link the record to them."""
-    names = [f"{key_label(method)} Band {band + 1}" for band in range(len(displacements))]
+    names = [f"{key_label(method)} Band {band + 1}" for band in range(len(edges) - 1)]
+    # One by one, as each is as large as the mesh.
+    displacements = (
+        flow.surface.to_object(flow.split.bands(np.array(pair)))[0] for pair in pairwise(edges)
+    )
     keys = add_displacements(obj, names, displacements)
     bands = obj.data.shape_keys.spectral_tv.bands
     bands.clear()

@@ -1,6 +1,6 @@
 """Writing displacements as relative shape keys."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import bpy
 import numpy as np
@@ -12,11 +12,11 @@ SLIDER_RANGE = (-10.0, 10.0)
 
 
 def add_displacements(
-    obj: bpy.types.Object, names: Sequence[str], displacements: np.ndarray
+    obj: bpy.types.Object, names: Sequence[str], displacements: Iterable[np.ndarray]
 ) -> list[bpy.types.ShapeKey]:
     """Add one shape key relative to Basis per displacement, at value 0.
 
-    ``displacements`` (K, V, 3) are in object space. Everything else on the object, the active
+    ``displacements``, K of (V, 3), are in object space. Everything else on the object, the active
     shape key included, stays as it was; a mesh without shape keys is given its Basis.
     """
     mesh = obj.data

@@ -3,7 +3,7 @@
 //! Python has a row per vertex, (V, C); the mathematics a row per channel, (C, V).
 
 use ndarray::{Array2, Array3};
-use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -150,13 +150,16 @@ pub fn per_vertex<'py>(py: Python<'py>, values: &Array2<f64>) -> Bound<'py, PyAr
         .into_pyarray(py)
 }
 
-/// Several (C, V) as one NumPy array (K, V, C).
-pub fn stacked<'py>(
-    py: Python<'py>,
+/// `count` times (C, V) of the `shape` as one array (K, V, C), each taken when it is needed.
+pub fn stacked(
     count: usize,
-    vertices: usize,
-    channels: usize,
-    value: impl Fn(usize, usize, usize) -> f64,
-) -> Bound<'py, PyArray3<f64>> {
-    Array3::from_shape_fn((count, vertices, channels), |(k, v, c)| value(k, v, c)).into_pyarray(py)
+    shape: (usize, usize),
+    parts: impl Iterator<Item = Array2<f64>>,
+) -> Array3<f64> {
+    let (channels, vertices) = shape;
+    let mut stack = Array3::zeros((count, vertices, channels));
+    for (mut place, part) in stack.outer_iter_mut().zip(parts) {
+        place.assign(&part.t());
+    }
+    stack
 }

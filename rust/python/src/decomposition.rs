@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
+use spectral_tv::Error;
 use spectral_tv::method;
 use spectral_tv::spectral::even_edges;
 
@@ -46,9 +47,9 @@ impl Decomposition {
     /// The flow that was transformed: of the positions, or of M3's displacement.
     #[getter]
     fn flow(&self) -> Flow {
-        let trajectory = self.inner.transform().trajectory().clone();
-        let is_flat = trajectory.states.dim().1 == 1;
-        Flow::new(trajectory, self.inner.vertex_areas().to_vec(), is_flat)
+        let transform = self.inner.transform().clone();
+        let is_flat = transform.trajectory().channel_count() == 1;
+        Flow::new(transform, self.inner.vertex_areas().to_vec(), is_flat)
     }
 
     /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
@@ -83,10 +84,12 @@ impl Decomposition {
         edges: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
         let edges = arrays::list("edges", edges)?;
-        let bands = py.detach(|| self.inner.bands(&edges))?;
-        let vertices = bands[0].ncols();
-        let array = arrays::stacked(py, bands.len(), vertices, 3, |k, v, c| bands[k][[c, v]]);
-        Ok(array)
+        let shape = (3, self.inner.vertex_areas().len());
+        let bands = py.detach(|| {
+            let bands = self.inner.bands(&edges)?;
+            Ok::<_, Error>(arrays::stacked(edges.len() - 1, shape, bands))
+        })?;
+        Ok(bands.into_pyarray(py))
     }
 
     /// The shape filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 53), (V, 3).

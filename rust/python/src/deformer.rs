@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::deformation;
+use spectral_tv::monitor::Monitor;
 
 use crate::arrays;
 use crate::deformation::{Deformation, Shape, constraints, converted};
@@ -54,7 +55,10 @@ impl Deformer {
         let constraints = constraints(mesh, indices, weights)?;
         let shape = Arc::new(Shape::new(mesh, &constraints));
         let mesh = &mesh.inner;
-        let inner = py.detach(|| deformation::Deformer::new(mesh, constraints, softness))?;
+        let inner = py.detach(|| {
+            let monitor = Monitor::new();
+            deformation::Deformer::new(mesh, constraints, softness, monitor.whole())
+        })?;
         Ok(Self {
             inner: Arc::new(Mutex::new(inner)),
             shape,

@@ -49,7 +49,7 @@ pub fn eigenpairs<'py>(
 ) -> Result<Arrays<'py>, Failure> {
     let mesh = Arc::clone(&mesh.inner);
     let task = Task::start(move |monitor| {
-        let operators = Discretization::new(&mesh);
+        let operators = Discretization::new(&mesh, monitor.whole())?;
         Eigenpairs::lowest(&mesh, &operators, count, monitor.whole())
     })?;
     let pairs = task.wait(py, progress)?;

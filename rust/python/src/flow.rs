@@ -1,8 +1,10 @@
 //! The class `Flow`: the states of a flow, and their spectral transform.
 
+use ndarray::Array3;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use spectral_tv::flow::Trajectory;
+use spectral_tv::Error;
+use spectral_tv::monitor::Monitor;
 use spectral_tv::spectral::{SpectralTransform, even_edges};
 
 use crate::arrays;
@@ -24,9 +26,9 @@ pub struct Flow {
 }
 
 impl Flow {
-    pub fn new(trajectory: Trajectory, masses: Vec<f64>, is_flat: bool) -> Self {
+    pub fn new(transform: SpectralTransform, masses: Vec<f64>, is_flat: bool) -> Self {
         Self {
-            transform: SpectralTransform::new(trajectory),
+            transform,
             masses,
             is_flat,
         }
@@ -44,6 +46,16 @@ impl Flow {
             false => array.into_any(),
         })
     }
+
+    /// (K, V, C), or (K, V).
+    fn stack<'py>(&self, py: Python<'py>, values: Array3<f64>) -> PyResult<Bound<'py, PyAny>> {
+        let (count, vertices, _) = values.dim();
+        let array = values.into_pyarray(py);
+        Ok(match self.is_flat {
+            true => array.reshape([count, vertices])?.into_any(),
+            false => array.into_any(),
+        })
+    }
 }
 
 #[pymethods]
@@ -57,13 +69,11 @@ impl Flow {
     /// u(t_k), (N+1, V, C); (N+1, V) if the values were given as (V,).
     #[getter]
     fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let states = &self.transform.trajectory().states;
-        let (nodes, channels, vertices) = states.dim();
-        let array = arrays::stacked(py, nodes, vertices, channels, |k, v, c| states[[k, c, v]]);
-        Ok(match self.is_flat {
-            true => array.reshape([nodes, vertices])?.into_any(),
-            false => array.into_any(),
-        })
+        let trajectory = self.transform.trajectory();
+        let nodes = trajectory.times.len();
+        let shape = trajectory.initial().dim();
+        let states = py.detach(|| arrays::stacked(nodes, shape, trajectory.states()));
+        self.stack(py, states)
     }
 
     /// TV(u(t_k)), (N+1,), unit of the values × length.
@@ -82,9 +92,12 @@ impl Flow {
 
     /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N−1, (N−1,), unit of the values × length².
     #[getter]
-    fn spectrum<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        py.detach(|| self.transform.spectrum(&self.masses))
-            .into_pyarray(py)
+    fn spectrum<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        let spectrum = py.detach(|| {
+            let monitor = Monitor::new();
+            self.transform.spectrum(&self.masses, monitor.whole())
+        });
+        Ok(spectrum?.into_pyarray(py))
     }
 
     /// What is left of the values once every component is removed, (V, C).
@@ -125,14 +138,12 @@ impl Flow {
         edges: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let edges = arrays::list("edges", edges)?;
-        let bands = py.detach(|| self.transform.bands(&edges))?;
-        let (channels, vertices) = bands[0].dim();
-        let value = |k: usize, v: usize, c: usize| bands[k][[c, v]];
-        let array = arrays::stacked(py, bands.len(), vertices, channels, value);
-        Ok(match self.is_flat {
-            true => array.reshape([bands.len(), vertices])?.into_any(),
-            false => array.into_any(),
-        })
+        let shape = self.transform.trajectory().initial().dim();
+        let bands = py.detach(|| {
+            let bands = self.transform.bands(&edges)?;
+            Ok::<_, Error>(arrays::stacked(edges.len() - 1, shape, bands))
+        })?;
+        Ok(self.stack(py, bands)?)
     }
 
     /// The values filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 53), (V, C).
@@ -184,10 +195,12 @@ impl Flow {
     }
 
     fn __repr__(&self) -> String {
-        let (nodes, channels, vertices) = self.transform.trajectory().states.dim();
+        let trajectory = self.transform.trajectory();
         format!(
-            "Flow({} steps, {vertices} vertices, {channels} channels)",
-            nodes - 1
+            "Flow({} steps, {} vertices, {} channels)",
+            trajectory.times.len() - 1,
+            trajectory.vertex_count(),
+            trajectory.channel_count()
         )
     }
 }

@@ -7,7 +7,9 @@ use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::{Heat, Law, TotalVariation, conformal_mean_curvature_flow};
 use spectral_tv::method::run_flow;
+use spectral_tv::monitor::Monitor;
 use spectral_tv::operators::{self, Discretization};
+use spectral_tv::spectral::SpectralTransform;
 
 use crate::arrays;
 use crate::error::Failure;
@@ -148,15 +150,15 @@ fn start<T: Send + 'static>(
     };
     let mesh = Arc::clone(&mesh.inner);
     Ok(Task::start(move |monitor| {
-        let operators = Discretization::new(&mesh);
+        let stage = monitor.whole();
+        let operators = Discretization::new(&mesh, stage)?;
         let law: Box<dyn Law> = match is_tv {
             true => Box::new(TotalVariation::starting_at(&operators, values.view())?),
             false => Box::new(Heat),
         };
-        let stage = monitor.whole();
-        let trajectory = run_flow(&operators, &*law, scheme, &values, &times, solver, stage)?;
+        let trajectory = run_flow(&operators, &*law, scheme, values, &times, solver, stage)?;
         Ok(wrap(Flow::new(
-            trajectory,
+            SpectralTransform::new(trajectory),
             operators.masses().to_vec(),
             is_flat,
         )))
@@ -200,8 +202,8 @@ pub fn conformal_flow<'py>(
     let solver = parse_solver(solver)?;
     let mesh = Arc::clone(&mesh.inner);
     let task = Task::start(move |monitor| {
-        let operators = Discretization::new(&mesh);
         let stage = monitor.whole();
+        let operators = Discretization::new(&mesh, stage)?;
         conformal_mean_curvature_flow(&mesh, &operators, time, steps, solver, stage)
     })?;
     Ok(arrays::per_vertex(py, &task.wait(py, progress)?))
@@ -227,7 +229,7 @@ pub fn conformal_flow<'py>(
 #[pyfunction]
 pub fn total_variation(mesh: &Mesh, values: &Bound<'_, PyAny>) -> Result<f64, Failure> {
     let (values, _) = arrays::channels("values", values)?;
-    let operators = Discretization::new(&mesh.inner);
+    let operators = Discretization::new(&mesh.inner, Monitor::new().whole())?;
     operators.check_values(values.view())?;
     Ok(operators::total_variation(
         operators.gradient(),

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use ndarray::{Array2, Array3};
+use ndarray::Array2;
 
 use spectral_tv::Result;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
@@ -31,7 +31,7 @@ type Work = (&'static str, fn(&TriangleMesh) -> Result<()>);
 
 const WORKS: [Work; 12] = [
     ("mesh", |mesh| {
-        black_box(Discretization::new(mesh));
+        black_box(Discretization::new(mesh, Monitor::new().whole())?);
         Ok(())
     }),
     ("m1 cholesky", |mesh| flow(mesh, m1(), Solver::Cholesky)),
@@ -127,19 +127,20 @@ fn flow(mesh: &TriangleMesh, method: Method, solver: Solver) -> Result<()> {
 fn exact_function(mesh: &TriangleMesh) -> Result<()> {
     let upper = |vertex: usize| f64::from(u8::from(mesh.vertices()[vertex][2] > 0.2));
     let values = Array2::from_shape_fn((1, mesh.vertex_count()), |(_, vertex)| upper(vertex));
-    exact(mesh, &values, &[0.0, 0.05])
+    exact(mesh, values, &[0.0, 0.05])
 }
 
 fn exact_shape(mesh: &TriangleMesh) -> Result<()> {
     let times = graded_times(1e-5 * mesh.area(), 1e-3 * mesh.area(), 1)?;
     let shape = spectral_tv::operators::positions(mesh);
-    exact(mesh, &shape, &times)
+    exact(mesh, shape, &times)
 }
 
-fn exact(mesh: &TriangleMesh, values: &Array2<f64>, times: &[f64]) -> Result<()> {
-    let operators = Discretization::new(mesh);
+fn exact(mesh: &TriangleMesh, values: Array2<f64>, times: &[f64]) -> Result<()> {
+    let monitor = Monitor::new();
+    let operators = Discretization::new(mesh, monitor.whole())?;
     let law = spectral_tv::flow::TotalVariation::starting_at(&operators, values.view())?;
-    let (scheme, monitor) = (Scheme::Exact { tolerance: 1e-3 }, Monitor::new());
+    let scheme = Scheme::Exact { tolerance: 1e-3 };
     let (solver, stage) = (Solver::Auto, monitor.whole());
     black_box(run_flow(
         &operators, &law, scheme, values, times, solver, stage,
@@ -180,7 +181,8 @@ fn deform(mesh: &TriangleMesh) -> Result<()> {
 /// Frames of a drag from rest.
 fn drag(mesh: &TriangleMesh) -> Result<()> {
     let constraints = Constraints::new(mesh, &pull(mesh, 0.0).0, None)?;
-    let mut deformer = Deformer::new(mesh, constraints, 0.0)?;
+    let monitor = Monitor::new();
+    let mut deformer = Deformer::new(mesh, constraints, 0.0, monitor.whole())?;
     for frame in 1..=3 {
         black_box(deformer.drag(&pull(mesh, 0.05 * f64::from(frame)).1)?);
     }
@@ -191,26 +193,25 @@ fn drag(mesh: &TriangleMesh) -> Result<()> {
 fn spectrum_and_filter(mesh: &TriangleMesh) -> Result<()> {
     let times = default_times(&Method::ShapeTv, mesh.area(), 32)?;
     let shape = spectral_tv::operators::positions(mesh);
-    let decay = |k: usize, channel: usize, vertex: usize| {
-        let extinction = 1 + (vertex % times.len());
-        shape[[channel, vertex]] * (1.0 - k as f64 / extinction as f64).max(0.0)
+    let monitor = Monitor::new();
+    let operators = Discretization::new(mesh, monitor.whole())?;
+    let decay = |k: usize| {
+        Array2::from_shape_fn(shape.dim(), |(channel, vertex)| {
+            let extinction = 1 + (vertex % times.len());
+            shape[[channel, vertex]] * (1.0 - k as f64 / extinction as f64).max(0.0)
+        })
     };
-    let states = Array3::from_shape_fn(
-        (times.len(), 3, mesh.vertex_count()),
-        |(k, channel, vertex)| decay(k, channel, vertex),
-    );
-    let transform = SpectralTransform::new(Trajectory {
-        total_variation: vec![0.0; times.len()],
-        gaps: vec![0.0; times.len() - 1],
-        times,
-        states,
-    });
-    black_box(transform.spectrum(mesh.vertex_areas()));
+    let initial = shape.clone();
+    let flow = Trajectory::sampled(&operators, &times, initial, monitor.whole(), decay)?;
+    let transform = SpectralTransform::new(flow);
+    black_box(transform.spectrum(mesh.vertex_areas(), monitor.whole())?);
     let gains: Vec<f64> = (1..32).map(|k| f64::from(k) / 31.0).collect();
     black_box(transform.filter(&gains)?);
     for count in [5, 8] {
         let edges = spectral_tv::spectral::even_edges(transform.times(), count)?;
-        black_box(transform.bands(&edges)?);
+        transform
+            .bands(&edges)?
+            .for_each(|band| drop(black_box(band)));
     }
     Ok(())
 }

@@ -7,6 +7,9 @@ use crate::error::{Error, Result};
 /// Steps in which the fraction done is counted.
 const RESOLUTION: f64 = 1e6;
 
+/// Items of a pass that are worked on without a look at the request: less than a millisecond.
+const UNCHECKED: usize = 1 << 14;
+
 /// A fraction of work done and a request to stop; lock-free, so that watching costs nothing.
 #[derive(Debug, Default)]
 pub struct Monitor {
@@ -84,6 +87,24 @@ impl Stage<'_> {
         self.monitor.check()
     }
 
+    /// Does `work` on every item, unless cancelled meanwhile: for passes over millions of them.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] once the monitor was cancelled.
+    pub fn for_each<T>(
+        &self,
+        items: impl IntoIterator<Item = T>,
+        mut work: impl FnMut(T),
+    ) -> Result<()> {
+        for (index, item) in items.into_iter().enumerate() {
+            if index % UNCHECKED == 0 {
+                self.check()?;
+            }
+            work(item);
+        }
+        Ok(())
+    }
+
     /// The part [`from`, `to`] of this stage.
     pub fn stage(&self, from: f64, to: f64) -> Self {
         let width = self.to - self.from;
@@ -92,5 +113,35 @@ impl Stage<'_> {
             from: self.from + width * from,
             to: self.from + width * to,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pass_ends_within_a_few_thousand_items_of_being_cancelled() {
+        let monitor = Monitor::new();
+        let mut done = 0;
+        let outcome = monitor.whole().for_each(0..10 * UNCHECKED, |item| {
+            done += 1;
+            if item == UNCHECKED {
+                monitor.cancel();
+            }
+        });
+        assert!(matches!(outcome, Err(Error::Cancelled)));
+        assert!(done <= 2 * UNCHECKED);
+    }
+
+    #[test]
+    fn a_stage_covers_its_share_of_the_whole() {
+        let monitor = Monitor::new();
+        let stage = monitor.stage(0.2, 0.6).stage(0.5, 1.0);
+        stage.report(0.5).unwrap();
+        assert!((monitor.fraction() - 0.5).abs() < 1e-5);
+        let mut sum = 0;
+        stage.for_each(1..=4, |item| sum += item).unwrap();
+        assert_eq!(sum, 10);
     }
 }

@@ -77,7 +77,8 @@ pub fn deform(
     } = settings;
     check_tolerance(tolerance)?;
     if algorithm == Algorithm::Convex {
-        return Deformer::new(mesh, constraints, softness)?.solve(targets, tolerance, stage);
+        let mut deformer = Deformer::new(mesh, constraints, softness, stage)?;
+        return deformer.solve(targets, tolerance, stage);
     }
     if softness != 0.0 {
         return Err(Error::Argument(
@@ -85,7 +86,7 @@ pub fn deform(
         ));
     }
     let targets = constraints.targets(targets)?;
-    let operators = Discretization::new(mesh);
+    let operators = Discretization::new(mesh, stage)?;
     let problem = Problem {
         operators: &operators,
         targets: &targets,

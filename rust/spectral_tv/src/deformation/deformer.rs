@@ -67,14 +67,20 @@ impl Deformer {
     /// 0 stretches no more than a ring of triangles.
     ///
     /// # Errors
-    /// If softness is negative or not finite, or memory does not suffice.
-    pub fn new(mesh: &TriangleMesh, constraints: Constraints, softness: f64) -> Result<Self> {
+    /// If softness is negative or not finite, or memory does not suffice; [`Error::Cancelled`].
+    pub fn new(
+        mesh: &TriangleMesh,
+        constraints: Constraints,
+        softness: f64,
+        stage: Stage,
+    ) -> Result<Self> {
         if !(softness >= 0.0 && softness.is_finite()) {
             return Err(Error::Argument(format!(
                 "softness must be a length, 0 or more, not {softness}"
             )));
         }
-        let operators = Discretization::new(mesh);
+        let operators = Discretization::new(mesh, stage)?;
+        stage.check()?;
         Ok(Self {
             newton: PrimalDualNewton::new(&operators, 3)?,
             state: Array2::zeros((3, mesh.vertex_count())),

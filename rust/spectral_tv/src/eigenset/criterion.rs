@@ -102,7 +102,7 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
         ));
     }
     stage.report(0.0)?;
-    let operators = Discretization::new(mesh);
+    let operators = Discretization::new(mesh, stage)?;
     let edge = mean_edge(mesh);
     let mut perimeter = Perimeter::new(&operators, edge)?;
     let length = perimeter.of(&set);
@@ -118,7 +118,7 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
     let lifetime = area / length;
     let time = |k: usize| LIFETIMES * lifetime * k as f64 / STEPS as f64;
     let times: Vec<f64> = (0..=STEPS).map(time).collect();
-    let flow = proximal_flow(&operators, GAP, &psi, &times, stage.stage(0.0, FLOW_SHARE))?;
+    let flow = proximal_flow(&operators, GAP, psi, &times, stage.stage(0.0, FLOW_SHARE))?;
     // The set, and what is outside of it of every component.
     let region = |v: usize| {
         if set[v] {

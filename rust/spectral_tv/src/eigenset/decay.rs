@@ -1,6 +1,6 @@
 //! How the value of a set decays under the flow, against a straight line.
 
-use ndarray::{ArrayView1, Axis};
+use ndarray::ArrayView1;
 
 use crate::flow::Trajectory;
 
@@ -26,11 +26,9 @@ impl Decay {
     /// Of a flow of one channel; `regions` (V) numbers the parts on which it ought to stay
     /// constant, 0 being the set.
     pub fn of(trajectory: &Trajectory, regions: &[usize], masses: &[f64]) -> Self {
-        let states = trajectory.states.index_axis(Axis(1), 0);
-        let fits: Vec<Fit> = states
-            .rows()
-            .into_iter()
-            .map(|state| Fit::new(state, regions, masses))
+        let fits: Vec<Fit> = trajectory
+            .states()
+            .map(|state| Fit::new(state.row(0), regions, masses))
             .collect();
         let values: Vec<f64> = fits.iter().map(|fit| fit.value).collect();
         let extinct = values.iter().position(|&value| value <= EXTINCT);

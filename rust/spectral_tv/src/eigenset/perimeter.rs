@@ -99,7 +99,8 @@ impl<'a> Perimeter<'a> {
 
 /// The mean length of the triangles' edges, by area.
 pub(super) fn mean_edge(mesh: &TriangleMesh) -> f64 {
-    let lengths = mesh.edge_lengths().iter().zip(mesh.face_areas());
+    let areas = mesh.face_areas().iter().enumerate();
+    let lengths = areas.map(|(face, area)| (mesh.edge_lengths(face), area));
     lengths
         .map(|(edges, area)| area * edges.iter().sum::<f64>() / 3.0)
         .sum::<f64>()

@@ -2,8 +2,6 @@
 
 use std::collections::HashSet;
 
-use ndarray::Axis;
-
 use crate::eigenset::perimeter::Diffusion;
 use crate::error::Result;
 use crate::flow::Trajectory;
@@ -55,9 +53,8 @@ pub(super) fn supersets(
             }
         }
     }
-    let states = flow.states.index_axis(Axis(1), 0);
-    for state in states.rows().into_iter().skip(2).step_by(2) {
-        let values = state.to_vec();
+    for state in flow.states().skip(2).step_by(2) {
+        let values = state.row(0).to_vec();
         let outside = found.outside();
         let least = outside.iter().map(|&v| values[v]).fold(f64::MAX, f64::min);
         let mean = found.mean(&values);

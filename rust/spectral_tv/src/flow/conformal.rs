@@ -1,5 +1,7 @@
 //! Conformalized P-Laplace flows: M2 for P = 3, conformalized mean curvature flow for P = 2.
 
+use std::sync::Arc;
+
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::{Error, Result};
@@ -21,7 +23,7 @@ const WEIGHT_FLOOR: f64 = 1e-4;
 pub struct ConformalLaplace {
     exponent: i32,
     floors: Vec<f64>,
-    triangles: Vec<[u32; 3]>,
+    triangles: Arc<[[u32; 3]]>,
 }
 
 impl ConformalLaplace {
@@ -40,7 +42,7 @@ impl ConformalLaplace {
                 .iter()
                 .map(|mass| AREA_FLOOR * mass)
                 .collect(),
-            triangles: mesh.triangles().to_vec(),
+            triangles: Arc::clone(mesh.triangles()),
         })
     }
 }
@@ -104,8 +106,10 @@ pub fn conformal_mean_curvature_flow(
         .collect();
     let initial = positions(mesh);
     let weights = Weights::Lagged;
-    let flow = semi_implicit_flow(operators, &law, weights, &initial, &times, solver, stage)?;
-    Ok(flow.states.index_axis(ndarray::Axis(0), steps).to_owned())
+    let flow = semi_implicit_flow(operators, &law, weights, initial, &times, solver, stage)?;
+    let mut state = flow.initial().to_owned();
+    flow.add_increments(&vec![1.0; steps], &mut state);
+    Ok(state)
 }
 
 /// Area of a triangle whose corners' positions are columns of `positions` (3, V).

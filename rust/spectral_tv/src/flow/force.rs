@@ -38,20 +38,8 @@ impl Force {
     }
 
     /// M(û − u) − τ L u, (C, V): the residual of the step at the state u.
-    pub fn residual(&self, step: &TimeStep, masses: &[f64], state: ArrayView2<f64>) -> Array2<f64> {
-        let mut residual = self.flux.clone();
-        let rows = residual.rows_mut().into_iter().zip(step.data.rows());
-        for ((mut row, data), state) in rows.zip(state.rows()) {
-            let tau = step.tau;
-            Zip::from(&mut row)
-                .and(&data)
-                .and(&state)
-                .and(masses)
-                .par_for_each(|flux, data, state, mass| {
-                    *flux = mass * (data - state) - tau * *flux
-                });
-        }
-        residual
+    pub fn residual(self, step: &TimeStep, masses: &[f64], state: ArrayView2<f64>) -> Array2<f64> {
+        residual(self.flux, step, masses, state)
     }
 
     /// Duality gap of a step of TV flow at the state u that this is the force of: primal minus
@@ -64,7 +52,7 @@ impl Force {
         norms: &[f64],
         state: ArrayView2<f64>,
     ) -> f64 {
-        let residual = self.residual(step, operators.masses(), state);
+        let residual = residual(self.flux.clone(), step, operators.masses(), state);
         let mut distance = 0.0;
         for row in residual.rows() {
             let terms = row.iter().zip(operators.masses());
@@ -83,6 +71,26 @@ impl Force {
         });
         distance + step.tau * parts.collect::<Vec<_>>().iter().sum::<f64>()
     }
+}
+
+/// M(û − u) − τ L u, (C, V), from L u = `flux`.
+fn residual(
+    flux: Array2<f64>,
+    step: &TimeStep,
+    masses: &[f64],
+    state: ArrayView2<f64>,
+) -> Array2<f64> {
+    let mut residual = flux;
+    let rows = residual.rows_mut().into_iter().zip(step.data.rows());
+    for ((mut row, data), state) in rows.zip(state.rows()) {
+        let tau = step.tau;
+        Zip::from(&mut row)
+            .and(&data)
+            .and(&state)
+            .and(masses)
+            .par_for_each(|flux, data, state, mass| *flux = mass * (data - state) - tau * *flux);
+    }
+    residual
 }
 
 /// Σ A n over the faces: TV from |∇u| = `norms`.

@@ -76,12 +76,12 @@ impl Eigenpairs {
     pub fn flow(
         &self,
         operators: &Discretization,
-        initial: &Array2<f64>,
+        initial: Array2<f64>,
         times: &[f64],
         stage: Stage,
     ) -> Result<Trajectory> {
         operators.check_values(initial.view())?;
-        let weighted = initial * &aview1(operators.masses());
+        let weighted = &initial * &aview1(operators.masses());
         let coefficients = weighted.dot(&self.eigenfunctions.t());
         Trajectory::sampled(operators, times, initial, stage, |k| {
             let left = |lambda: &f64| (1.0 - lambda * times[k]).max(0.0);

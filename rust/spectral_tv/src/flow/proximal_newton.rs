@@ -2,8 +2,9 @@
 
 use crate::error::Result;
 use crate::flow::duality_gap::duality_gap;
+use crate::flow::increment::Precision;
+use crate::flow::recorder::Solution;
 use crate::flow::time_step::TimeStep;
-use crate::flow::trajectory::Solution;
 use crate::minimization::{Energy, PrimalDualNewton, Variation};
 use crate::monitor::Stage;
 use crate::operators::Discretization;
@@ -46,6 +47,7 @@ impl<'a> ProximalNewton<'a> {
         let target = tolerance * step.tau * start;
         let mut best = Solution {
             state: step.data.clone(),
+            precision: Precision::Double,
             gap: f64::INFINITY,
             tau: step.tau,
         };

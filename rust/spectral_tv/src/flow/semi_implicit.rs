@@ -4,11 +4,13 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::error::Result;
 use crate::flow::force::{Force, variation};
+use crate::flow::increment::Precision;
 use crate::flow::law::Law;
 use crate::flow::line::Line;
 use crate::flow::prediction::{predicted_gradients, predicted_increment, predicted_masses};
+use crate::flow::recorder::{Recorder, Solution};
 use crate::flow::time_step::{History, TimeStep};
-use crate::flow::trajectory::{Recorder, Solution, Trajectory};
+use crate::flow::trajectory::Trajectory;
 use crate::minimization::least_along;
 use crate::monitor::Stage;
 use crate::operators::Discretization;
@@ -41,19 +43,20 @@ pub fn semi_implicit_flow(
     operators: &Discretization,
     law: &dyn Law,
     weights: Weights,
-    initial: &Array2<f64>,
+    initial: Array2<f64>,
     times: &[f64],
     solver: Solver,
     stage: Stage,
 ) -> Result<Trajectory> {
     // On a thread of the pool that the solver shares its work with.
     rayon::scope(|_| {
-        let mut record = Recorder::new(operators, initial.view(), times)?;
-        let mut steps = StepSolver::new(operators, law, initial.view(), solver, stage)?;
+        let mut record = Recorder::new(operators, initial, times)?;
+        stage.check()?;
+        let mut steps = StepSolver::new(operators, law, record.state(), solver, stage)?;
         for k in 0..times.len() - 1 {
             stage.report(k as f64 / (times.len() - 1) as f64)?;
             let (solution, next) = steps.step(&record, weights, times, k)?;
-            record.push(&solution, next.total_variation);
+            record.push(solution, next.total_variation);
             steps.advance(next);
         }
         stage.report(1.0)?;
@@ -91,6 +94,7 @@ impl<'a> StepSolver<'a> {
         solver: Solver,
         stage: Stage<'a>,
     ) -> Result<Self> {
+        operators.prepare_edges(stage)?;
         Ok(Self {
             now: measured(operators, law, initial),
             operators,
@@ -111,18 +115,20 @@ impl<'a> StepSolver<'a> {
     ) -> Result<(Solution, Measured)> {
         let dt = times[k + 1] - times[k];
         let history = History {
-            state: record.state(k),
-            previous: (k > 0).then(|| (record.state(k - 1), times[k] - times[k - 1])),
+            state: record.state(),
+            previous: record
+                .previous()
+                .map(|previous| (previous, times[k] - times[k - 1])),
         };
-        let guess = predicted_increment(|k| record.state(k), times, k);
+        let guess = || predicted_increment(record.increments(), times, history.state.dim());
         if weights == Weights::Extrapolated {
-            let (solution, next) = self.extrapolated(&history, dt, guess.as_ref())?;
+            let (solution, next) = self.extrapolated(&history, dt, guess())?;
             if next.total_variation <= self.now.total_variation * (1.0 + ROUNDING) {
                 return Ok((solution, next));
             }
             // The extrapolation overshot an extinction; the lagged step never raises TV.
         }
-        self.lagged(&history, dt, guess.as_ref())
+        self.lagged(&history, dt, guess())
     }
 
     /// Goes on from the state that is measured by `next`.
@@ -136,7 +142,7 @@ impl<'a> StepSolver<'a> {
         &mut self,
         history: &History,
         dt: f64,
-        guess: Option<&Array2<f64>>,
+        guess: Option<Array2<f64>>,
     ) -> Result<(Solution, Measured)> {
         let step = TimeStep::backward_euler(history, dt);
         let force = match self.now.force.take() {
@@ -144,8 +150,8 @@ impl<'a> StepSolver<'a> {
             None => Force::new(self.operators, self.law, &self.now.norms, history.state),
         };
         let masses = self.now.masses.clone();
-        let state = self.solve(history, &step, &force, &masses, guess)?;
-        Ok(self.certified(state, &step))
+        let state = self.solve(history, &step, force, &masses, guess)?;
+        self.certified(state, &step)
     }
 
     /// BDF2, masses or else weights predicted, and one correction.
@@ -153,7 +159,7 @@ impl<'a> StepSolver<'a> {
         &mut self,
         history: &History,
         dt: f64,
-        guess: Option<&Array2<f64>>,
+        guess: Option<Array2<f64>>,
     ) -> Result<(Solution, Measured)> {
         let mut norms = None;
         let mut masses = self.now.masses.clone();
@@ -169,13 +175,17 @@ impl<'a> StepSolver<'a> {
                 false => norms = Some(predicted_gradients(&self.now.norms, norms_before, growth)),
             }
         }
-        let norms = norms.as_deref().unwrap_or(&self.now.norms);
-        let force = Force::new(self.operators, self.law, norms, history.state);
-        let mut state = self.solve(history, &step, &force, &masses, guess)?;
+        let weighing = norms.as_deref().unwrap_or(&self.now.norms);
+        let force = Force::new(self.operators, self.law, weighing, history.state);
+        drop(norms);
+        let mut state = self.solve(history, &step, force, &masses, guess)?;
         if !self.law.is_linear() {
             self.correct(&step, &masses, &mut state)?;
         }
-        Ok(self.certified(state, &step))
+        let (solution, mut next) = self.certified(state, &step)?;
+        // The next step predicts its weights; memory is better spent otherwise.
+        next.force = None;
+        Ok((solution, next))
     }
 
     /// Solves (M + τ L(w)) u⁺ = M û, with L(w) of `force` and M of `masses`, for the increment
@@ -185,16 +195,16 @@ impl<'a> StepSolver<'a> {
         &mut self,
         history: &History,
         step: &TimeStep,
-        force: &Force,
+        force: Force,
         masses: &[f64],
-        guess: Option<&Array2<f64>>,
+        guess: Option<Array2<f64>>,
     ) -> Result<Array2<f64>> {
         self.solver
             .set_matrix(masses, &force.couplings, step.tau, self.stage)?;
         let residual = force.residual(step, masses, history.state);
-        let increment = self
-            .solver
-            .solve(residual, guess, self.tolerance(), self.stage)?;
+        let increment =
+            self.solver
+                .solve(residual, guess.as_ref(), self.tolerance(), self.stage)?;
         Ok(increment + history.state)
     }
 
@@ -210,13 +220,17 @@ impl<'a> StepSolver<'a> {
     fn correct(&mut self, step: &TimeStep, masses: &[f64], state: &mut Array2<f64>) -> Result<()> {
         let gradient = self.operators.gradient();
         let norms = gradient.norms(state.view());
+        self.stage.check()?;
         let force = Force::new(self.operators, self.law, &norms, state.view());
         let descent = force.residual(step, masses, state.view());
-        let start = |direction: &Array2<f64>| -(&descent * direction).sum();
         let tolerance = self.tolerance();
         let direction = self
             .solver
             .solve(descent.clone(), None, tolerance, self.stage)?;
+        let products = descent.iter().zip(&direction).map(|(a, b)| a * b);
+        let start = -products.sum::<f64>();
+        drop(descent);
+        self.stage.check()?;
         let line = Line {
             law: self.law,
             areas: gradient.face_areas(),
@@ -224,6 +238,7 @@ impl<'a> StepSolver<'a> {
             squared: gradient.products(direction.view(), direction.view()),
             norms,
         };
+        self.stage.check()?;
         let mut quadratic = 0.0;
         for row in direction.rows() {
             let terms = row
@@ -232,16 +247,17 @@ impl<'a> StepSolver<'a> {
                 .map(|(value, mass)| mass * value * value);
             quadratic += terms.sum::<f64>();
         }
-        let start = start(&direction);
         let linear = start - step.tau * line.slope(0.0);
         let slope = |alpha: f64| linear + alpha * quadratic + step.tau * line.slope(alpha);
         state.scaled_add(least_along(start, slope), &direction);
+        self.stage.check()?;
         Ok(())
     }
 
     /// Measures a state and adds the duality gap of a TV step, for the dual field w ∇u.
-    fn certified(&self, state: Array2<f64>, step: &TimeStep) -> (Solution, Measured) {
+    fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Result<(Solution, Measured)> {
         let mut next = measured(self.operators, self.law, state.view());
+        self.stage.check()?;
         let mut gap = 0.0;
         if self.law.is_total_variation() {
             let force = Force::new(self.operators, self.law, &next.norms, state.view());
@@ -252,8 +268,12 @@ impl<'a> StepSolver<'a> {
             state,
             gap,
             tau: step.tau,
+            precision: match self.solver.is_exact() {
+                true => Precision::Double,
+                false => Precision::Single,
+            },
         };
-        (solution, next)
+        Ok((solution, next))
     }
 }
 

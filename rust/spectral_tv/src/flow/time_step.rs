@@ -1,6 +1,6 @@
 //! One implicit step in time, as a proximal problem: data and a step length.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, Zip};
 
 /// Growth of the step beyond which variable-step BDF2 is not trusted (it is zero-stable below
 /// 1 + √2; Grigorieff 1983).
@@ -39,7 +39,9 @@ impl TimeStep {
         let (previous, growth) = history.usable(dt)?;
         let kappa = growth * growth / (1.0 + 2.0 * growth);
         Some(Self {
-            data: &history.state + &((&history.state - &previous) * kappa),
+            data: Zip::from(&history.state)
+                .and(&previous)
+                .par_map_collect(|now, before| now + kappa * (now - before)),
             tau: dt * (1.0 + growth) / (1.0 + 2.0 * growth),
         })
     }

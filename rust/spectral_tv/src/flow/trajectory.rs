@@ -1,18 +1,26 @@
 //! The states a flow passes through, and what was measured on the way.
 
-use ndarray::{Array1, Array2, Array3, ArrayView1, ArrayView2, Axis};
+use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate};
 
 use crate::error::{Error, Result};
+use crate::flow::increment::{Increment, Precision};
+use crate::flow::recorder::{Recorder, Solution};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, total_variation};
 
 /// A flow sampled at N + 1 times.
+///
+/// It keeps the initial state and the increments, these as precisely as they were solved for:
+/// velocities, which the spectral transform is made of, are then as precise however short the
+/// steps.
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     /// t₀ = 0 < t₁ < … < t_N.
     pub times: Vec<f64>,
-    /// u(t_k), (N + 1, C, V).
-    pub states: Array3<f64>,
+    /// u(0), (C, V).
+    pub(super) initial: Array2<f64>,
+    /// u(t_{k+1}) − u(t_k), N.
+    pub(super) increments: Vec<Increment>,
     /// TV(u(t_k)) over all channels together, N + 1.
     pub total_variation: Vec<f64>,
     /// Duality gap of each step relative to τ TV at its start, N; 0 for linear steps.
@@ -27,20 +35,59 @@ impl Trajectory {
     pub fn sampled(
         operators: &Discretization,
         times: &[f64],
-        initial: &Array2<f64>,
+        initial: Array2<f64>,
         stage: Stage,
         mut state: impl FnMut(usize) -> Array2<f64>,
     ) -> Result<Self> {
-        let mut record = Recorder::new(operators, initial.view(), times)?;
+        let mut record = Recorder::new(operators, initial, times)?;
         for k in 1..times.len() {
             stage.report(k as f64 / times.len() as f64)?;
             let state = state(k);
             let variation = total_variation(operators.gradient(), state.view());
-            let (gap, tau) = (0.0, times[k] - times[k - 1]);
-            record.push(&Solution { state, gap, tau }, variation);
+            let solution = Solution {
+                state,
+                precision: Precision::Double,
+                gap: 0.0,
+                tau: times[k] - times[k - 1],
+            };
+            record.push(solution, variation);
         }
         stage.report(1.0)?;
         Ok(record.finish())
+    }
+
+    /// Number of channels C.
+    pub fn channel_count(&self) -> usize {
+        self.initial.nrows()
+    }
+
+    /// Number of vertices V.
+    pub fn vertex_count(&self) -> usize {
+        self.initial.ncols()
+    }
+
+    /// u(0), (C, V).
+    pub fn initial(&self) -> ArrayView2<'_, f64> {
+        self.initial.view()
+    }
+
+    /// u(t_k) for k = 0 … N, (C, V) each, added up on the way.
+    pub fn states(&self) -> impl Iterator<Item = Array2<f64>> + '_ {
+        let mut state = self.initial.clone();
+        let later = self.increments.iter().map(move |increment| {
+            increment.add_to(1.0, &mut state);
+            state.clone()
+        });
+        std::iter::once(self.initial.clone()).chain(later)
+    }
+
+    /// Adds Σ_k a_k (u(t_{k+1}) − u(t_k)) to `sum` (C, V), for the N `factors` a_k.
+    pub fn add_increments(&self, factors: &[f64], sum: &mut Array2<f64>) {
+        for (increment, &factor) in self.increments.iter().zip(factors) {
+            if factor != 0.0 {
+                increment.add_to(factor, sum);
+            }
+        }
     }
 
     /// Mean of u(t_k) over the surface weighted by `weights` (V), (N + 1, C): the value of a set
@@ -69,117 +116,49 @@ impl Trajectory {
                 "the weights give no vertex any area".into(),
             ));
         }
-        let mean = |values: ArrayView1<f64>| values.dot(&parts) / total;
-        Ok(self.states.map_axis(Axis(2), mean))
+        let mut means = Array2::zeros((self.times.len(), self.channel_count()));
+        for (mut mean, state) in means.rows_mut().into_iter().zip(self.states()) {
+            mean.assign(&(state.dot(&parts) / total));
+        }
+        Ok(means)
     }
-}
 
-/// What a step arrived at.
-#[derive(Debug, Clone)]
-pub(super) struct Solution {
-    /// u⁺ (C, V).
-    pub state: Array2<f64>,
-    /// Duality gap of the step's minimisation, absolute.
-    pub gap: f64,
-    /// The step length τ that the gap is measured against.
-    pub tau: f64,
-}
-
-/// TV relative to the initial one below which nothing is left to decay.
-const EXTINCT: f64 = 1e-9;
-
-/// Collects the states of a running flow.
-pub(super) struct Recorder {
-    trajectory: Trajectory,
-}
-
-impl Recorder {
-    /// Starts at `initial` (C, V).
+    /// Several flows at the same times as one of all their channels.
     ///
-    /// # Errors
-    /// If the times do not increase from 0, or a value is not finite.
-    pub fn new(
-        operators: &Discretization,
-        initial: ArrayView2<f64>,
-        times: &[f64],
-    ) -> Result<Self> {
-        check_times(times)?;
-        operators.check_values(initial)?;
-        let (channels, vertices) = initial.dim();
-        let mut states = Array3::zeros((times.len(), channels, vertices));
-        states.index_axis_mut(Axis(0), 0).assign(&initial);
-        let trajectory = Trajectory {
-            times: times.to_vec(),
-            states,
-            total_variation: vec![total_variation(operators.gradient(), initial)],
-            gaps: Vec::new(),
+    /// # Panics
+    /// If there are none, or their times differ.
+    pub fn side_by_side(flows: Vec<Self>) -> Self {
+        let times = flows[0].times.clone();
+        assert!(flows.iter().all(|flow| flow.times == times));
+        let over = |values: fn(&Self) -> &Vec<f64>, merge: fn(f64, f64) -> f64| -> Vec<f64> {
+            (0..values(&flows[0]).len())
+                .map(|k| flows.iter().map(|flow| values(flow)[k]).fold(0.0, merge))
+                .collect()
         };
-        Ok(Self { trajectory })
-    }
-
-    /// u(t_k).
-    pub fn state(&self, k: usize) -> ArrayView2<'_, f64> {
-        self.trajectory.states.index_axis(Axis(0), k)
-    }
-
-    /// Whether the last state recorded is constant on every component, up to rounding.
-    pub fn is_extinct(&self) -> bool {
-        self.last_total_variation() <= EXTINCT * self.trajectory.total_variation[0]
-    }
-
-    /// Total variation of the last state recorded.
-    pub fn last_total_variation(&self) -> f64 {
-        *self
-            .trajectory
-            .total_variation
-            .last()
-            .expect("starts with one")
-    }
-
-    /// Takes the state at the next time, and its TV.
-    pub fn push(&mut self, solution: &Solution, total_variation: f64) {
-        let start = self.last_total_variation();
-        let gap = match self.is_extinct() {
-            true => 0.0,
-            false => solution.gap / (solution.tau * start),
-        };
-        let k = self.trajectory.total_variation.len();
-        self.trajectory
-            .states
-            .index_axis_mut(Axis(0), k)
-            .assign(&solution.state);
-        self.trajectory.total_variation.push(total_variation);
-        self.trajectory.gaps.push(gap);
-    }
-
-    /// The finished trajectory.
-    pub fn finish(self) -> Trajectory {
-        self.trajectory
-    }
-}
-
-fn check_times(times: &[f64]) -> Result<()> {
-    if times.len() < 2 {
-        return Err(Error::Argument(format!(
-            "times needs at least two values, 0 and an end; it has {}",
-            times.len()
-        )));
-    }
-    if times[0] != 0.0 {
-        return Err(Error::Argument(format!(
-            "times[0] must be 0, not {}",
-            times[0]
-        )));
-    }
-    for (k, pair) in times.windows(2).enumerate() {
-        if !(pair[1] > pair[0] && pair[1].is_finite()) {
-            return Err(Error::Argument(format!(
-                "times must increase and be finite, but times[{}] is {} after {}",
-                k + 1,
-                pair[1],
-                pair[0]
-            )));
+        let total_variation = over(|flow| &flow.total_variation, |sum, tv| sum + tv);
+        let gaps = over(|flow| &flow.gaps, f64::max);
+        let (mut initial, mut remaining) = (Vec::new(), Vec::new());
+        for flow in flows {
+            initial.push(flow.initial);
+            remaining.push(flow.increments.into_iter());
+        }
+        // Step by step, so that each is freed once it is merged.
+        let merged = (1..times.len()).map(|_| {
+            let parts: Vec<_> = remaining.iter_mut().filter_map(Iterator::next).collect();
+            let values: Vec<_> = parts.iter().map(Increment::values).collect();
+            Increment::new(stacked(&values), parts[0].precision())
+        });
+        Self {
+            increments: merged.collect(),
+            initial: stacked(&initial),
+            times,
+            total_variation,
+            gaps,
         }
     }
-    Ok(())
+}
+
+fn stacked(parts: &[Array2<f64>]) -> Array2<f64> {
+    let views: Vec<_> = parts.iter().map(|part| part.view()).collect();
+    concatenate(Axis(0), &views).expect("all are on the same vertices")
 }

@@ -3,34 +3,30 @@
 /// How far each triangle inequality must be from equality, relative to the mean edge length.
 const MOLLIFICATION: f64 = 1e-6;
 
-/// Lengths of the edges opposite to each triangle's corners, all enlarged by the one smallest
-/// amount that makes every triangle inequality strict (Sharp and Crane 2020, "A Laplacian for
-/// Nonmanifold Triangle Meshes"). A healthy mesh is left as it is.
-pub(super) fn mollified_edge_lengths(
-    vertices: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-) -> Vec<[f64; 3]> {
-    let mut lengths: Vec<[f64; 3]> = triangles
-        .iter()
-        .map(|&corners| embedded_lengths(vertices, corners))
-        .collect();
-    let proper = || triangles.iter().map(|t| !repeats_an_index(t));
-    let proper_count = proper().filter(|&is_proper| is_proper).count();
-    let mean = lengths.iter().flatten().sum::<f64>() / (3 * proper_count.max(1)) as f64;
+/// The one smallest amount by which all edges are to be enlarged so that every triangle
+/// inequality is strict (Sharp and Crane 2020, "A Laplacian for Nonmanifold Triangle Meshes"). 0
+/// for a healthy mesh.
+pub(super) fn enlargement(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
+    let proper = || {
+        let corners = triangles.iter().filter(|t| !repeats_an_index(t));
+        corners.map(|&corners| embedded_lengths(vertices, corners))
+    };
+    let (count, sum) = proper().fold((0_usize, 0.0), |(count, sum), [a, b, c]| {
+        (count + 1, sum + a + b + c)
+    });
+    let mean = sum / (3 * count.max(1)) as f64;
+    proper()
+        .map(|[a, b, c]| MOLLIFICATION * mean - (b + c - a).min(c + a - b).min(a + b - c))
+        .fold(0.0, f64::max)
+}
 
-    let enlargement = lengths
-        .iter()
-        .zip(proper())
-        .filter(|(_, is_proper)| *is_proper)
-        .map(|(&[a, b, c], _)| MOLLIFICATION * mean - (b + c - a).min(c + a - b).min(a + b - c))
-        .fold(0.0, f64::max);
-    for (lengths, is_proper) in lengths.iter_mut().zip(proper()) {
-        *lengths = match is_proper {
-            true => lengths.map(|length| length + enlargement),
-            false => [0.0; 3],
-        };
+/// Lengths of the edges opposite to a triangle's corners, `enlargement` added to each; all three
+/// 0 for a triangle that repeats an index.
+pub(super) fn edge_lengths(vertices: &[[f64; 3]], corners: [u32; 3], enlargement: f64) -> [f64; 3] {
+    match repeats_an_index(&corners) {
+        true => [0.0; 3],
+        false => embedded_lengths(vertices, corners).map(|length| length + enlargement),
     }
-    lengths
 }
 
 /// Area from edge lengths, by Kahan's form of Heron's formula, which is stable for needles.

@@ -3,9 +3,12 @@
 mod components;
 mod intrinsic;
 
+use std::sync::Arc;
+
 use crate::error::{Error, Result};
 pub(crate) use components::connected_components;
-use intrinsic::{face_area, mollified_edge_lengths};
+use intrinsic::{edge_lengths, enlargement, face_area};
+use rayon::prelude::*;
 
 /// A triangle mesh with V vertices and F triangles, and the metric g₀ of its shape.
 ///
@@ -15,8 +18,10 @@ use intrinsic::{face_area, mollified_edge_lengths};
 #[derive(Debug, Clone)]
 pub struct TriangleMesh {
     vertices: Vec<[f64; 3]>,
-    triangles: Vec<[u32; 3]>,
-    edge_lengths: Vec<[f64; 3]>,
+    /// Shared with the operators.
+    triangles: Arc<[[u32; 3]]>,
+    /// What mollification adds to every edge.
+    enlargement: f64,
     face_areas: Vec<f64>,
     vertex_areas: Vec<f64>,
     area: f64,
@@ -34,8 +39,12 @@ impl TriangleMesh {
     pub fn new(vertices: Vec<[f64; 3]>, triangles: &[[i64; 3]]) -> Result<Self> {
         check_vertices(&vertices)?;
         let triangles = check_triangles(triangles, vertices.len())?;
-        let edge_lengths = mollified_edge_lengths(&vertices, &triangles);
-        let face_areas: Vec<f64> = edge_lengths.iter().map(|&l| face_area(l)).collect();
+        let enlargement = enlargement(&vertices, &triangles);
+        let lengths = |&corners: &[u32; 3]| edge_lengths(&vertices, corners, enlargement);
+        let face_areas: Vec<f64> = triangles
+            .par_iter()
+            .map(|t| face_area(lengths(t)))
+            .collect();
         let area = face_areas.iter().sum::<f64>();
         if !(area > 0.0 && area.is_finite()) {
             return Err(Error::Unusable(format!(
@@ -47,7 +56,7 @@ impl TriangleMesh {
         Ok(Self {
             vertices,
             triangles,
-            edge_lengths,
+            enlargement,
             face_areas,
             vertex_areas,
             area,
@@ -65,14 +74,14 @@ impl TriangleMesh {
     }
 
     /// Index triples of the triangles.
-    pub fn triangles(&self) -> &[[u32; 3]] {
+    pub fn triangles(&self) -> &Arc<[[u32; 3]]> {
         &self.triangles
     }
 
-    /// Lengths of the edges opposite to each triangle's corners, mollified; all three 0 for a
-    /// triangle that repeats an index.
-    pub fn edge_lengths(&self) -> &[[f64; 3]] {
-        &self.edge_lengths
+    /// Lengths of the edges opposite to the corners of a triangle, mollified; all three 0 for
+    /// one that repeats an index. Measured anew, as they are needed once.
+    pub fn edge_lengths(&self, triangle: usize) -> [f64; 3] {
+        edge_lengths(&self.vertices, self.triangles[triangle], self.enlargement)
     }
 
     /// Area of each triangle, length².
@@ -127,7 +136,7 @@ fn check_vertices(vertices: &[[f64; 3]]) -> Result<()> {
     }
 }
 
-fn check_triangles(triangles: &[[i64; 3]], vertex_count: usize) -> Result<Vec<[u32; 3]>> {
+fn check_triangles(triangles: &[[i64; 3]], vertex_count: usize) -> Result<Arc<[[u32; 3]]>> {
     if triangles.is_empty() {
         return Err(Error::Unusable("the mesh has no triangles".into()));
     }

@@ -88,7 +88,7 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
         }
     }
     let edges = even_edges(&times(most)?, request.bands)?;
-    let operators = Discretization::new(mesh);
+    let operators = Discretization::new(mesh, stage)?;
     let (method, solver) = (&settings.method, settings.solver);
     let share = stage.stage(0.0, REPRESENTATION_SHARE);
     let Representation { flows, .. } =
@@ -124,7 +124,7 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
                 true => paper_all_pass(&operators, &flows, &transform),
                 false => transform.filter(&vec![1.0; transform.component_times().len()])?,
             };
-            let initial = transform.trajectory().states.index_axis(Axis(0), 0);
+            let initial = transform.trajectory().initial();
             let rows = [lengths(&(all_pass - initial)), distance, relative];
             for (table, row) in [
                 &mut errors.all_pass,
@@ -159,9 +159,12 @@ fn paper_all_pass(
 ) -> Array2<f64> {
     let ones = vec![1.0; transform.component_times().len()];
     let times = transform.times();
-    let (last, states) = (times.len() - 1, &transform.trajectory().states);
-    let end = states.index_axis(Axis(0), last);
-    let mut shape = transform.combination(&ones) + end;
+    let last = times.len() - 1;
+    let mut end = transform.trajectory().initial().to_owned();
+    transform
+        .trajectory()
+        .add_increments(&vec![1.0; last], &mut end);
+    let mut shape = transform.combination(&ones) + &end;
     let mut first = 0;
     for Flowed { law, values } in flows {
         let channels = first..first + values.nrows();
@@ -179,25 +182,27 @@ fn paper_all_pass(
 /// Sums of components of the same flow at other times differ by what falls to the wrong side of
 /// an edge; u − t u_t, interpolated linearly between the midpoints of the steps, does not.
 fn bands(trajectory: &Trajectory, edges: &[f64]) -> Vec<Array2<f64>> {
-    let (times, states) = (&trajectory.times, &trajectory.states);
-    let state = |k: usize| states.index_axis(Axis(0), k);
+    let times = &trajectory.times;
     let steps = times.len() - 1;
     // u at t = 0, and from then on at the middle of step k − 1.
     let node = |k: usize| match k {
         0 => 0.0,
         k => 0.5 * (times[k - 1] + times[k]),
     };
-    let value = |k: usize| match k {
-        0 => state(0).to_owned(),
-        k => {
-            let reach = times[k - 1] / (times[k] - times[k - 1]);
-            &state(k - 1) + &((&state(k - 1) - &state(k)) * reach)
-        }
+    // Of every step's increment, how much of it is in u − t u_t at a node, u(0) apart.
+    let share_of = |step: usize, k: usize| match step + 1 {
+        later if later > k => 0.0,
+        last if last == k => -times[step] / (times[k] - times[step]),
+        _ => 1.0,
     };
     let intercept = |edge: f64| {
         let k = (1..steps).find(|&k| edge < node(k)).unwrap_or(steps);
         let share = (edge - node(k - 1)) / (node(k) - node(k - 1));
-        value(k - 1) * (1.0 - share) + value(k) * share
+        let factor =
+            |step: usize| (1.0 - share) * share_of(step, k - 1) + share * share_of(step, k);
+        let mut value = trajectory.initial().to_owned();
+        trajectory.add_increments(&(0..steps).map(factor).collect::<Vec<_>>(), &mut value);
+        value
     };
     let mut before = intercept(edges[0]);
     let mut bands = Vec::with_capacity(edges.len() - 1);

@@ -1,6 +1,6 @@
 //! From a mesh and a method to a decomposition.
 
-use ndarray::{Array2, Axis, concatenate};
+use ndarray::Array2;
 
 use crate::error::{Error, Result};
 use crate::flow::{Eigenpairs, Law, Trajectory, Weights, proximal_flow, semi_implicit_flow};
@@ -16,6 +16,8 @@ use crate::spectral::SpectralTransform;
 const BASE_SHARE: f64 = 0.25;
 /// Share of the progress of filtering by eigenpairs that is given to finding them.
 const EIGENPAIRS_SHARE: f64 = 0.95;
+/// Share of all methods' progress that is given to the flow; the rest is the spectrum's.
+const FLOW_SHARE: f64 = 0.99;
 
 /// How the weights of a step are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,8 +58,9 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     if matches!(settings.scheme, Scheme::Exact { .. }) && !has_steps {
         return Err(no_exact_steps());
     }
-    let operators = Discretization::new(mesh);
+    let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
+    let operators = Discretization::new(mesh, stage)?;
     let (trajectory, displacement) = match &settings.method {
         Method::LaplaceBeltrami { eigenpairs } => (
             by_eigenpairs(mesh, &operators, *eigenpairs, settings, stage)?,
@@ -67,11 +70,7 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
         _ => by_steps(mesh, &operators, settings, stage)?,
     };
     let transform = SpectralTransform::new(trajectory);
-    Ok(Decomposition::new(
-        transform,
-        displacement,
-        mesh.vertex_areas(),
-    ))
+    Decomposition::new(transform, displacement, mesh.vertex_areas(), rest)
 }
 
 /// The flow of a method that takes time steps, and M3's representation.
@@ -115,10 +114,11 @@ pub(super) fn run_flows(
     let run = |(index, Flowed { law, values }): (usize, &Flowed)| {
         let stage = stage.stage(index as f64 / count, (index + 1) as f64 / count);
         let (scheme, solver) = (settings.scheme, settings.solver);
+        let values = values.clone();
         run_flow(operators, &**law, scheme, values, times, solver, stage)
     };
     let trajectories: Vec<_> = flows.iter().enumerate().map(run).collect::<Result<_>>()?;
-    Ok(side_by_side(trajectories))
+    Ok(Trajectory::side_by_side(trajectories))
 }
 
 /// The flow of the positions by eigenpairs.
@@ -139,7 +139,7 @@ fn by_eigenpairs(
         }
     };
     let stage = stage.stage(EIGENPAIRS_SHARE, 1.0);
-    pairs.flow(operators, &positions(mesh), &times, stage)
+    pairs.flow(operators, positions(mesh), &times, stage)
 }
 
 /// The displacement from a base as the only component, at the time that the base was smoothed
@@ -158,9 +158,7 @@ fn by_base(
     let shape = base.shape(mesh, operators, settings.solver, stage)?;
     let time = base.duration(mesh.area());
     let times = [0.0, time, 2.0 * time];
-    Trajectory::sampled(operators, &times, &positions(mesh), stage, |_| {
-        shape.clone()
-    })
+    Trajectory::sampled(operators, &times, positions(mesh), stage, |_| shape.clone())
 }
 
 /// Runs `law` from `values` (C, V) through `times` by `scheme`, the systems of semi-implicit
@@ -172,7 +170,7 @@ pub fn run_flow(
     operators: &Discretization,
     law: &dyn Law,
     scheme: Scheme,
-    values: &Array2<f64>,
+    values: Array2<f64>,
     times: &[f64],
     solver: Solver,
     stage: Stage,
@@ -190,24 +188,4 @@ pub fn run_flow(
 
 fn no_exact_steps() -> Error {
     Error::Argument("exact steps exist for total-variation flows only (naive, m1, m3)".into())
-}
-
-/// Flows of one function each as one of all their channels.
-fn side_by_side(mut flows: Vec<Trajectory>) -> Trajectory {
-    if flows.len() == 1 {
-        return flows.remove(0);
-    }
-    let states: Vec<_> = flows.iter().map(|flow| flow.states.view()).collect();
-    let states = concatenate(Axis(1), &states).expect("flows on one mesh at the same times");
-    let over = |values: fn(&Trajectory) -> &Vec<f64>, merge: fn(f64, f64) -> f64| {
-        (0..values(&flows[0]).len())
-            .map(|k| flows.iter().map(|flow| values(flow)[k]).fold(0.0, merge))
-            .collect()
-    };
-    Trajectory {
-        times: flows[0].times.clone(),
-        total_variation: over(|flow| &flow.total_variation, |sum, tv| sum + tv),
-        gaps: over(|flow| &flow.gaps, f64::max),
-        states,
-    }
 }

@@ -4,6 +4,7 @@ use ndarray::Array2;
 
 use crate::error::Result;
 use crate::method::Displacement;
+use crate::monitor::Stage;
 use crate::spectral::SpectralTransform;
 
 /// The spectral components of a shape, as displacements of its vertices.
@@ -18,19 +19,21 @@ pub struct Decomposition {
 
 impl Decomposition {
     /// Puts together a transform and, for M3, the representation of the shape it is of.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
     pub(super) fn new(
         transform: SpectralTransform,
         displacement: Option<Displacement>,
         vertex_areas: &[f64],
-    ) -> Self {
-        let spectrum = transform.spectrum(vertex_areas);
-        let vertex_areas = vertex_areas.to_vec();
-        Self {
+        stage: Stage,
+    ) -> Result<Self> {
+        Ok(Self {
+            spectrum: transform.spectrum(vertex_areas, stage)?,
             transform,
             displacement,
-            spectrum,
-            vertex_areas,
-        }
+            vertex_areas: vertex_areas.to_vec(),
+        })
     }
 
     /// Areas of the vertices of the shape, V, length².
@@ -64,13 +67,13 @@ impl Decomposition {
     }
 
     /// The displacement that each band between neighbouring `edges` adds, (3, V) each: the sum
-    /// of φ_k over edge_i ≤ t_k < edge_{i+1}.
+    /// of φ_k over edge_i ≤ t_k < edge_{i+1}. Each is summed up when it is asked for.
     ///
     /// # Errors
     /// If the edges do not increase.
-    pub fn bands(&self, edges: &[f64]) -> Result<Vec<Array2<f64>>> {
-        let bands = self.transform.bands(edges)?.into_iter();
-        Ok(bands.map(|band| self.displace(band)).collect())
+    pub fn bands(&self, edges: &[f64]) -> Result<impl Iterator<Item = Array2<f64>>> {
+        let bands = self.transform.bands(edges)?;
+        Ok(bands.map(|band| self.displace(band)))
     }
 
     /// The shape filtered by H, given as N − 1 values H(t_k), (3, V).

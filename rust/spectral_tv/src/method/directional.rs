@@ -115,8 +115,10 @@ impl Displacement {
         stage: Stage,
     ) -> Result<Self> {
         let normals = vertex_normals(base.view(), mesh.triangles());
+        stage.check()?;
         let mut direction = positions(mesh) - &base;
         let signs = outward_signs(operators, direction.view(), normals.view(), solver, stage)?;
+        stage.check()?;
         let smallest = COINCIDENT * mesh.area().sqrt();
         let mut distance = Array2::zeros((1, base.ncols()));
         for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {

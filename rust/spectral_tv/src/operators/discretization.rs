@@ -6,6 +6,7 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::error::{Error, Result};
 use crate::mesh::TriangleMesh;
+use crate::monitor::Stage;
 use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
 
 /// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
@@ -13,7 +14,7 @@ use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
 pub struct Discretization {
     gradient: Gradient,
     pattern: LaplacianPattern,
-    /// Made when a flow first asks for it; deformations never do.
+    /// Made for flows only; deformations never ask for them.
     edges: OnceLock<EdgeLaplacian>,
     masses: Vec<f64>,
     area: f64,
@@ -21,16 +22,20 @@ pub struct Discretization {
 
 impl Discretization {
     /// The operators of `mesh`.
-    pub fn new(mesh: &TriangleMesh) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn new(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
+        stage.check()?;
         let gradient = Gradient::new(mesh);
-        let pattern = LaplacianPattern::new(&gradient);
-        Self {
+        let pattern = LaplacianPattern::new(&gradient, stage)?;
+        Ok(Self {
             edges: OnceLock::new(),
             gradient,
             pattern,
             masses: invertible_masses(mesh.vertex_areas()),
             area: mesh.area(),
-        }
+        })
     }
 
     /// The gradient and the face areas.
@@ -43,10 +48,25 @@ impl Discretization {
         &self.pattern
     }
 
+    /// Makes [`Self::edges`], if they are not made yet.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn prepare_edges(&self, stage: Stage) -> Result<()> {
+        if self.edges.get().is_none() {
+            let edges = EdgeLaplacian::new(&self.gradient, &self.pattern, stage)?;
+            // Whoever was faster has made the same.
+            let _ = self.edges.set(edges);
+        }
+        Ok(())
+    }
+
     /// Weighted Laplacians by their edges.
+    ///
+    /// # Panics
+    /// Without [`Self::prepare_edges`].
     pub fn edges(&self) -> &EdgeLaplacian {
-        self.edges
-            .get_or_init(|| EdgeLaplacian::new(&self.gradient, &self.pattern))
+        self.edges.get().expect("prepared before")
     }
 
     /// M: the lumped mass of every vertex, length², positive everywhere.
@@ -97,4 +117,23 @@ pub(crate) fn invertible_masses(vertex_areas: &[f64]) -> Vec<f64> {
 pub fn positions(mesh: &TriangleMesh) -> Array2<f64> {
     let vertices = mesh.vertices();
     Array2::from_shape_fn((3, vertices.len()), |(axis, vertex)| vertices[vertex][axis])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Monitor;
+
+    #[test]
+    fn preparations_end_when_cancelled() {
+        let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+        let mesh = TriangleMesh::new(vertices, &[[0, 1, 2]]).unwrap();
+        let monitor = Monitor::new();
+        let operators = Discretization::new(&mesh, monitor.whole()).unwrap();
+        monitor.cancel();
+        let outcome = operators.prepare_edges(monitor.whole());
+        assert!(matches!(outcome, Err(Error::Cancelled)));
+        let outcome = Discretization::new(&mesh, monitor.whole());
+        assert!(matches!(outcome, Err(Error::Cancelled)));
+    }
 }

@@ -6,7 +6,9 @@
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
-use crate::operators::{Gradient, LaplacianPattern};
+use crate::error::Result;
+use crate::monitor::Stage;
+use crate::operators::{Gradient, LaplacianPattern, Neighbour};
 
 /// Edges or vertices that one thread works on at a time.
 const CHUNK: usize = 1 << 13;
@@ -23,28 +25,31 @@ pub struct EdgeLaplacian {
     /// First neighbour of each vertex, and their number at the end.
     starts: Vec<u32>,
     /// The neighbours, and their entries of the pattern.
-    neighbours: Vec<(u32, u32)>,
+    neighbours: Vec<Neighbour>,
 }
 
 impl EdgeLaplacian {
     /// The edges of the mesh that `gradient` and `pattern` belong to.
-    pub fn new(gradient: &Gradient, pattern: &LaplacianPattern) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn new(gradient: &Gradient, pattern: &LaplacianPattern, stage: Stage) -> Result<Self> {
         let edges = pattern.edge_entries();
-        let (face_starts, order) = grouped(edges.as_flattened(), pattern.entry_count());
+        let (face_starts, order) = grouped(edges.as_flattened(), pattern.entry_count(), stage)?;
         let cotangent = |&corner: &u32| {
             let (face, corner) = (corner as usize / 3, corner as usize % 3);
             let hats = &gradient.hats()[face];
             let (p, q) = (hats[(corner + 1) % 3], hats[(corner + 2) % 3]);
             -gradient.face_areas()[face] * (p[0] * q[0] + p[1] * q[1])
         };
-        let (starts, neighbours) = pattern.neighbours();
-        Self {
+        let (starts, neighbours) = pattern.neighbours(stage)?;
+        Ok(Self {
             cotangents: order.par_iter().map(cotangent).collect(),
             faces: order.iter().map(|corner| corner / 3).collect(),
             face_starts,
             starts,
             neighbours,
-        }
+        })
     }
 
     /// c of every entry of the pattern for the weights w of the faces; 0 for diagonal entries.
@@ -91,27 +96,26 @@ impl EdgeLaplacian {
 
 /// The places of each of the `count` keys in `keys`, one after the other, and where each key's
 /// begin.
-fn grouped(keys: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
+fn grouped(keys: &[u32], count: usize, stage: Stage) -> Result<(Vec<u32>, Vec<u32>)> {
     let mut starts = vec![0_u32; count + 1];
-    for &key in keys {
-        starts[key as usize + 1] += 1;
-    }
+    stage.for_each(keys, |&key| starts[key as usize + 1] += 1)?;
     for key in 0..count {
         starts[key + 1] += starts[key];
     }
     let mut next = starts.clone();
     let mut places = vec![0; keys.len()];
-    for (place, &key) in keys.iter().enumerate() {
+    stage.for_each(keys.iter().enumerate(), |(place, &key)| {
         places[next[key as usize] as usize] = place as u32;
         next[key as usize] += 1;
-    }
-    (starts, places)
+    })?;
+    Ok((starts, places))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::TriangleMesh;
+    use crate::monitor::Monitor;
 
     #[test]
     fn edges_give_what_the_gradient_and_its_adjoint_give() {
@@ -126,7 +130,9 @@ mod tests {
         let triangles = [[0, 1, 2], [1, 3, 2], [2, 1, 0], [3, 3, 1]];
         let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
         let gradient = Gradient::new(&mesh);
-        let edges = EdgeLaplacian::new(&gradient, &LaplacianPattern::new(&gradient));
+        let monitor = Monitor::new();
+        let pattern = LaplacianPattern::new(&gradient, monitor.whole()).unwrap();
+        let edges = EdgeLaplacian::new(&gradient, &pattern, monitor.whole()).unwrap();
         let weights = [2.0, 0.5, 3.0, 7.0];
         let values = ndarray::arr2(&[[1.0, -2.0, 0.5, 3.0, 1.0], [0.0, 4.0, 1.0, -1.0, 2.0]]);
         let product = edges.apply(&edges.couplings(&weights), values.view());

@@ -1,5 +1,7 @@
 //! The per-face gradient G and its adjoint.
 
+use std::sync::Arc;
+
 use ndarray::{ArrayView1, ArrayView2};
 use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
@@ -19,7 +21,7 @@ pub type FaceVector = [f64; 2];
 #[derive(Debug, Clone)]
 pub struct Gradient {
     hats: Vec<[FaceVector; 3]>,
-    triangles: Vec<[u32; 3]>,
+    triangles: Arc<[[u32; 3]]>,
     face_areas: Vec<f64>,
     vertex_count: usize,
 }
@@ -27,15 +29,13 @@ pub struct Gradient {
 impl Gradient {
     /// The gradient operator of the mesh's metric.
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let hats = mesh
-            .edge_lengths()
-            .iter()
-            .zip(mesh.face_areas())
-            .map(|(&lengths, &area)| hat_gradients(lengths, area))
+        let areas = mesh.face_areas().par_iter().enumerate();
+        let hats = areas
+            .map(|(face, &area)| hat_gradients(mesh.edge_lengths(face), area))
             .collect();
         Self {
             hats,
-            triangles: mesh.triangles().to_vec(),
+            triangles: Arc::clone(mesh.triangles()),
             face_areas: mesh.face_areas().to_vec(),
             vertex_count: mesh.vertex_count(),
         }

@@ -3,7 +3,12 @@
 use rayon::prelude::*;
 use sprs::CsMatI;
 
+use crate::error::Result;
+use crate::monitor::Stage;
 use crate::operators::{FaceVector, Gradient};
+
+/// A neighbour of a vertex, and the entry of the pattern for both.
+pub type Neighbour = (u32, u32);
 
 /// The sparsity pattern shared by every weighted Laplacian of a mesh, and where each face's
 /// entries go.
@@ -19,8 +24,12 @@ pub struct LaplacianPattern {
 
 impl LaplacianPattern {
     /// The pattern of the mesh that `gradient` belongs to.
-    pub fn new(gradient: &Gradient) -> Self {
-        let (column_starts, rows) = sorted_columns(gradient);
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn new(gradient: &Gradient, stage: Stage) -> Result<Self> {
+        let (column_starts, rows) = sorted_columns(gradient, stage)?;
+        stage.check()?;
         let entry = |i: u32, j: u32| {
             let (column, row) = (i.min(j) as usize, i.max(j));
             let first = column_starts[column] as usize;
@@ -32,11 +41,11 @@ impl LaplacianPattern {
             .par_iter()
             .map(|&[i, j, k]| [entry(j, k), entry(k, i), entry(i, j)])
             .collect();
-        Self {
+        Ok(Self {
             column_starts,
             rows,
             edge_entries,
-        }
+        })
     }
 
     /// Number of entries.
@@ -51,7 +60,10 @@ impl LaplacianPattern {
     }
 
     /// All neighbours of every vertex with their entries, and where each vertex's begin.
-    pub fn neighbours(&self) -> (Vec<u32>, Vec<(u32, u32)>) {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn neighbours(&self, stage: Stage) -> Result<(Vec<u32>, Vec<Neighbour>)> {
         let size = self.column_starts.len() - 1;
         let edges = || {
             (0..size).flat_map(|column| {
@@ -60,23 +72,23 @@ impl LaplacianPattern {
             })
         };
         let mut starts = vec![0_u32; size + 1];
-        for (i, j, _) in edges() {
+        stage.for_each(edges(), |(i, j, _)| {
             starts[i as usize + 1] += 1;
             starts[j as usize + 1] += 1;
-        }
+        })?;
         for vertex in 0..size {
             starts[vertex + 1] += starts[vertex];
         }
         let mut next = starts.clone();
         let mut neighbours = vec![(0, 0); starts[size] as usize];
-        for (i, j, entry) in edges() {
+        stage.for_each(edges(), |(i, j, entry)| {
             for (from, to) in [(i, j), (j, i)] {
                 let place = &mut next[from as usize];
                 neighbours[*place as usize] = (to, entry);
                 *place += 1;
             }
-        }
-        (starts, neighbours)
+        })?;
+        Ok((starts, neighbours))
     }
 
     /// A matrix of this pattern with all entries 0.
@@ -151,7 +163,7 @@ pub fn element_stiffness(hats: &[FaceVector; 3], scale: f64) -> [f64; 3] {
 
 /// The lower triangle's row indices, sorted, column by column, the diagonal first, and where
 /// each column begins.
-fn sorted_columns(gradient: &Gradient) -> (Vec<u32>, Vec<u32>) {
+fn sorted_columns(gradient: &Gradient, stage: Stage) -> Result<(Vec<u32>, Vec<u32>)> {
     let size = gradient.vertex_count();
     let edges = || {
         let sides = |&[i, j, k]: &[u32; 3]| [(i, j), (j, k), (k, i)];
@@ -159,25 +171,23 @@ fn sorted_columns(gradient: &Gradient) -> (Vec<u32>, Vec<u32>) {
     };
     // Room for each edge as often as it occurs, and for the diagonal.
     let mut counts = vec![1_u32; size];
-    for (p, q) in edges() {
-        counts[p.min(q) as usize] += 1;
-    }
+    stage.for_each(edges(), |(p, q)| counts[p.min(q) as usize] += 1)?;
     let mut ends = Vec::with_capacity(size);
     let mut rows = Vec::new();
-    for (column, count) in counts.iter().enumerate() {
+    stage.for_each(counts.iter().enumerate(), |(column, count)| {
         rows.push(column as u32);
         ends.push(rows.len());
         rows.resize(rows.len() + *count as usize - 1, 0);
-    }
-    for (p, q) in edges() {
+    })?;
+    stage.for_each(edges(), |(p, q)| {
         let end = &mut ends[p.min(q) as usize];
         rows[*end] = p.max(q);
         *end += 1;
-    }
+    })?;
     let mut column_starts = Vec::with_capacity(size + 1);
     column_starts.push(0);
     let (mut read, mut written) = (0, 0);
-    for end in ends {
+    stage.for_each(ends, |end| {
         rows[read..end].sort_unstable();
         let first = written;
         for place in read..end {
@@ -189,15 +199,17 @@ fn sorted_columns(gradient: &Gradient) -> (Vec<u32>, Vec<u32>) {
         }
         column_starts.push(written as u32);
         read = end;
-    }
+    })?;
     rows.truncate(written);
-    (column_starts, rows)
+    rows.shrink_to_fit();
+    Ok((column_starts, rows))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::TriangleMesh;
+    use crate::monitor::Monitor;
 
     #[test]
     fn assembly_equals_the_product_of_the_gradient() {
@@ -213,7 +225,7 @@ mod tests {
         let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
         let gradient = Gradient::new(&mesh);
         let weights = [2.0, 0.5, 3.0, 7.0];
-        let pattern = LaplacianPattern::new(&gradient);
+        let pattern = LaplacianPattern::new(&gradient, Monitor::new().whole()).unwrap();
         let mut lower = pattern.zeros();
         let stiffness = |face: usize| {
             let scale = gradient.face_areas()[face] * weights[face];

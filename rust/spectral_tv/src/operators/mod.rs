@@ -12,5 +12,5 @@ pub(crate) use discretization::invertible_masses;
 pub use discretization::{Discretization, positions};
 pub use edge_laplacian::EdgeLaplacian;
 pub use gradient::{FaceVector, Gradient};
-pub use laplacian::{LaplacianPattern, element_stiffness, pin};
+pub use laplacian::{LaplacianPattern, Neighbour, element_stiffness, pin};
 pub use total_variation::total_variation;

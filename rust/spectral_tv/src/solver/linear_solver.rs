@@ -120,6 +120,11 @@ impl LinearSolver {
         Ok(right_hand_sides)
     }
 
+    /// Whether solutions of the matrix at hand are exact to rounding.
+    pub fn is_exact(&self) -> bool {
+        self.multigrid.is_none() || self.is_factorized
+    }
+
     fn factorize(&mut self) -> Result<()> {
         complete_diagonal(&mut self.lower, &self.masses);
         let mut cholesky = match self.cholesky.take() {

@@ -1,10 +1,17 @@
 //! φ(t) = t u_tt for arbitrary time nodes, and filtered reconstruction.
 
-use ndarray::{Array2, Axis};
+use std::sync::Arc;
+
+use ndarray::{Array2, ArrayView1, ArrayView2};
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::flow::Trajectory;
+use crate::monitor::Stage;
 use crate::spectral::check_edges;
+
+/// Vertices that one thread works on at a time.
+const CHUNK: usize = 1 << 13;
 
 /// The spectral components of a flow (Brokman et al. 2024, Eqs. 50 and 53).
 ///
@@ -13,13 +20,16 @@ use crate::spectral::check_edges;
 /// f = Σ φ_k + R identically, whatever the nodes and however coarse the steps.
 #[derive(Debug, Clone)]
 pub struct SpectralTransform {
-    trajectory: Trajectory,
+    /// Shared, as it holds all that a flow keeps in memory.
+    trajectory: Arc<Trajectory>,
 }
 
 impl SpectralTransform {
     /// The transform of a flow.
     pub fn new(trajectory: Trajectory) -> Self {
-        Self { trajectory }
+        Self {
+            trajectory: Arc::new(trajectory),
+        }
     }
 
     /// The flow the transform was made of.
@@ -49,12 +59,12 @@ impl SpectralTransform {
     pub fn residual(&self) -> Array2<f64> {
         let times = self.times();
         let last = times.len() - 1;
-        // R = u_N + t_N/(t_N − t_{N−1}) (u_{N−1} − u_N)
-        let reach = times[last] / (times[last] - times[last - 1]);
-        let states = &self.trajectory.states;
-        let end = states.index_axis(Axis(0), last);
-        let before = states.index_axis(Axis(0), last - 1);
-        &end + &((&before - &end) * reach)
+        // R = u_N − t_N/(t_N − t_{N−1}) (u_N − u_{N−1})
+        let mut factors = vec![1.0; last];
+        factors[last - 1] -= times[last] / (times[last] - times[last - 1]);
+        let mut residual = self.trajectory.initial().to_owned();
+        self.trajectory.add_increments(&factors, &mut residual);
+        residual
     }
 
     /// Σ_k H(t_k) φ_k, (C, V), without the residual; `gains` are the N − 1 values H(t_k).
@@ -71,31 +81,25 @@ impl SpectralTransform {
             k if k > gains.len() => 0.0,
             k => gains[k - 1] * times[k],
         };
-        let (_, channels, vertices) = self.trajectory.states.dim();
-        let mut sum = Array2::zeros((channels, vertices));
-        for k in 0..times.len() - 1 {
-            let factor = (weight(k + 1) - weight(k)) / (times[k + 1] - times[k]);
-            if factor != 0.0 {
-                sum.scaled_add(factor, &self.trajectory.states.index_axis(Axis(0), k));
-                sum.scaled_add(-factor, &self.trajectory.states.index_axis(Axis(0), k + 1));
-            }
-        }
+        let factor = |k: usize| (weight(k) - weight(k + 1)) / (times[k + 1] - times[k]);
+        let factors: Vec<f64> = (0..times.len() - 1).map(factor).collect();
+        let mut sum = Array2::zeros(self.trajectory.initial().dim());
+        self.trajectory.add_increments(&factors, &mut sum);
         sum
     }
 
     /// The sum of φ_k over edge_i ≤ t_k < edge_{i+1}, (C, V) for each pair of neighbouring
-    /// `edges`.
+    /// `edges`. Each is summed up when it is asked for.
     ///
     /// # Errors
     /// If the edges do not increase.
-    pub fn bands(&self, edges: &[f64]) -> Result<Vec<Array2<f64>>> {
+    pub fn bands(&self, edges: &[f64]) -> Result<impl Iterator<Item = Array2<f64>>> {
         check_edges(edges)?;
         let times = self.component_times();
-        let bands = edges.windows(2).map(|edge| {
+        Ok(edges.windows(2).map(|edge| {
             let inside = |t: &f64| f64::from(u8::from((edge[0]..edge[1]).contains(t)));
             self.combination(&times.iter().map(inside).collect::<Vec<_>>())
-        });
-        Ok(bands.collect())
+        }))
     }
 
     /// f^H = Σ_k H(t_k) φ_k + R, (C, V) (Brokman et al. 2024, Eq. 53).
@@ -119,17 +123,72 @@ impl SpectralTransform {
 
     /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N − 1, |·| over all channels; `masses` are the V
     /// vertex areas.
-    pub fn spectrum(&self, masses: &[f64]) -> Vec<f64> {
-        (0..self.component_times().len())
-            .map(|index| {
-                let component = self.component(index);
-                component
-                    .columns()
-                    .into_iter()
-                    .zip(masses)
-                    .map(|(values, mass)| mass * values.dot(&values).sqrt())
-                    .sum()
-            })
-            .collect()
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn spectrum(&self, masses: &[f64], stage: Stage) -> Result<Vec<f64>> {
+        let count = self.component_times().len();
+        let strength = |index: usize| {
+            stage.report(index as f64 / count as f64)?;
+            Ok(integral(self.component(index).view(), masses))
+        };
+        let spectrum = (0..count).map(strength).collect();
+        stage.report(1.0)?;
+        spectrum
+    }
+}
+
+/// Σ_v M_v |φ(v)| for `values` φ (C, V).
+fn integral(values: ArrayView2<f64>, masses: &[f64]) -> f64 {
+    let channels: Vec<ArrayView1<f64>> = values.rows().into_iter().collect();
+    let parts = masses.par_chunks(CHUNK).enumerate().map(|(chunk, masses)| {
+        let vertices = masses.iter().zip(chunk * CHUNK..);
+        let terms = vertices.map(|(mass, vertex)| {
+            let squares = channels.iter().map(|channel| channel[vertex].powi(2));
+            mass * squares.sum::<f64>().sqrt()
+        });
+        terms.sum::<f64>()
+    });
+    // In order, so that the sum does not depend on the threads.
+    parts.collect::<Vec<_>>().iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::{Heat, Weights, semi_implicit_flow};
+    use crate::mesh::TriangleMesh;
+    use crate::monitor::Monitor;
+    use crate::operators::{Discretization, positions};
+    use crate::solver::Solver;
+
+    #[test]
+    fn components_add_up_in_either_precision_and_a_spectrum_ends_when_cancelled() {
+        let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.4, 1.]];
+        let triangles = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+        let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
+        let monitor = Monitor::new();
+        let operators = Discretization::new(&mesh, monitor.whole()).unwrap();
+        let times: Vec<f64> = (0..9).map(|k| 0.01 * f64::from(k * k)).collect();
+        for solver in [Solver::Cholesky, Solver::Multigrid] {
+            let (weights, shape) = (Weights::Extrapolated, positions(&mesh));
+            let stage = monitor.whole();
+            let flow = semi_implicit_flow(
+                &operators,
+                &Heat,
+                weights,
+                shape.clone(),
+                &times,
+                solver,
+                stage,
+            );
+            let transform = SpectralTransform::new(flow.unwrap());
+            let whole = transform.filter(&[1.0; 7]).unwrap();
+            assert!((whole - shape).iter().all(|error| error.abs() < 1e-15));
+            let cancelled = Monitor::new();
+            cancelled.cancel();
+            let outcome = transform.spectrum(operators.masses(), cancelled.whole());
+            assert!(matches!(outcome, Err(Error::Cancelled)));
+        }
     }
 }

@@ -1,0 +1,129 @@
+//! Collects the trajectory of a running flow.
+
+use ndarray::{Array2, ArrayView2};
+
+use crate::error::{Error, Result};
+use crate::flow::increment::{Increment, Precision};
+use crate::flow::trajectory::Trajectory;
+use crate::operators::{Discretization, total_variation};
+
+/// What a step arrived at.
+#[derive(Debug, Clone)]
+pub(super) struct Solution {
+    /// u⁺ (C, V).
+    pub state: Array2<f64>,
+    /// What its increment is worth.
+    pub precision: Precision,
+    /// Duality gap of the step's minimisation, absolute.
+    pub gap: f64,
+    /// The step length τ that the gap is measured against.
+    pub tau: f64,
+}
+
+/// TV relative to the initial one below which nothing is left to decay.
+const EXTINCT: f64 = 1e-9;
+
+/// The trajectory so far, and its last two states as they were solved for.
+pub(super) struct Recorder {
+    trajectory: Trajectory,
+    state: Array2<f64>,
+    previous: Option<Array2<f64>>,
+}
+
+impl Recorder {
+    /// Starts at `initial` (C, V).
+    ///
+    /// # Errors
+    /// If the times do not increase from 0, or a value is not finite.
+    pub fn new(operators: &Discretization, initial: Array2<f64>, times: &[f64]) -> Result<Self> {
+        check_times(times)?;
+        operators.check_values(initial.view())?;
+        let trajectory = Trajectory {
+            times: times.to_vec(),
+            increments: Vec::with_capacity(times.len() - 1),
+            total_variation: vec![total_variation(operators.gradient(), initial.view())],
+            gaps: Vec::new(),
+            initial,
+        };
+        Ok(Self {
+            state: trajectory.initial.clone(),
+            trajectory,
+            previous: None,
+        })
+    }
+
+    /// The last state recorded, (C, V).
+    pub fn state(&self) -> ArrayView2<'_, f64> {
+        self.state.view()
+    }
+
+    /// The state before, from the second on.
+    pub fn previous(&self) -> Option<ArrayView2<'_, f64>> {
+        self.previous.as_ref().map(|state| state.view())
+    }
+
+    /// The increments so far.
+    pub fn increments(&self) -> &[Increment] {
+        &self.trajectory.increments
+    }
+
+    /// Whether the last state recorded is constant on every component, up to rounding.
+    pub fn is_extinct(&self) -> bool {
+        self.last_total_variation() <= EXTINCT * self.trajectory.total_variation[0]
+    }
+
+    /// Total variation of the last state recorded.
+    pub fn last_total_variation(&self) -> f64 {
+        *self
+            .trajectory
+            .total_variation
+            .last()
+            .expect("starts with one")
+    }
+
+    /// Takes the state at the next time, and its TV.
+    pub fn push(&mut self, solution: Solution, total_variation: f64) {
+        let start = self.last_total_variation();
+        let gap = match self.is_extinct() {
+            true => 0.0,
+            false => solution.gap / (solution.tau * start),
+        };
+        self.trajectory.total_variation.push(total_variation);
+        self.trajectory.gaps.push(gap);
+        let previous = std::mem::replace(&mut self.state, solution.state);
+        let increment = Increment::new(&self.state - &previous, solution.precision);
+        self.trajectory.increments.push(increment);
+        self.previous = Some(previous);
+    }
+
+    /// The finished trajectory.
+    pub fn finish(self) -> Trajectory {
+        self.trajectory
+    }
+}
+
+fn check_times(times: &[f64]) -> Result<()> {
+    if times.len() < 2 {
+        return Err(Error::Argument(format!(
+            "times needs at least two values, 0 and an end; it has {}",
+            times.len()
+        )));
+    }
+    if times[0] != 0.0 {
+        return Err(Error::Argument(format!(
+            "times[0] must be 0, not {}",
+            times[0]
+        )));
+    }
+    for (k, pair) in times.windows(2).enumerate() {
+        if !(pair[1] > pair[0] && pair[1].is_finite()) {
+            return Err(Error::Argument(format!(
+                "times must increase and be finite, but times[{}] is {} after {}",
+                k + 1,
+                pair[1],
+                pair[0]
+            )));
+        }
+    }
+    Ok(())
+}
