@@ -31,8 +31,9 @@ const ROUNDING: f64 = 1e-12;
 /// Error of a step's increment that an iterative solver leaves, relative to the increment, in
 /// the energy norm. States then are within 1e-6 of the object's size.
 const TOLERANCE: f64 = 3e-6;
-/// The same where masses move: what collapses magnifies errors.
-const TOLERANCE_OF_MOVING_MASSES: f64 = 1e-6;
+/// The same for flows that magnify errors: where masses collapse, and single functions, whose
+/// gradients have no other channel to vanish with.
+const FINE_TOLERANCE: f64 = 1e-6;
 
 /// Runs `law` from `initial` (C, V) through `times`, its systems solved by `solver`.
 ///
@@ -80,6 +81,7 @@ struct StepSolver<'a> {
     operators: &'a Discretization,
     law: &'a dyn Law,
     solver: LinearSolver,
+    tolerance: f64,
     stage: Stage<'a>,
     now: Measured,
     /// Norms and masses of the state before.
@@ -95,7 +97,9 @@ impl<'a> StepSolver<'a> {
         stage: Stage<'a>,
     ) -> Result<Self> {
         operators.prepare_edges(stage)?;
+        let magnifies = law.moves_masses() || initial.nrows() == 1;
         Ok(Self {
+            tolerance: if magnifies { FINE_TOLERANCE } else { TOLERANCE },
             now: measured(operators, law, initial),
             operators,
             law,
@@ -202,17 +206,10 @@ impl<'a> StepSolver<'a> {
         self.solver
             .set_matrix(masses, &force.couplings, step.tau, self.stage)?;
         let residual = force.residual(step, masses, history.state);
-        let increment =
-            self.solver
-                .solve(residual, guess.as_ref(), self.tolerance(), self.stage)?;
+        let increment = self
+            .solver
+            .solve(residual, guess.as_ref(), self.tolerance, self.stage)?;
         Ok(increment + history.state)
-    }
-
-    fn tolerance(&self) -> f64 {
-        match self.law.moves_masses() {
-            true => TOLERANCE_OF_MOVING_MASSES,
-            false => TOLERANCE,
-        }
     }
 
     /// One descent step on the energy of the time step, preconditioned by the matrix at hand,
@@ -223,10 +220,9 @@ impl<'a> StepSolver<'a> {
         self.stage.check()?;
         let force = Force::new(self.operators, self.law, &norms, state.view());
         let descent = force.residual(step, masses, state.view());
-        let tolerance = self.tolerance();
         let direction = self
             .solver
-            .solve(descent.clone(), None, tolerance, self.stage)?;
+            .solve(descent.clone(), None, self.tolerance, self.stage)?;
         let products = descent.iter().zip(&direction).map(|(a, b)| a * b);
         let start = -products.sum::<f64>();
         drop(descent);
