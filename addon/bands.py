@@ -55,8 +55,8 @@ def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[st
 
     Raises Refusal or spectral_tv.MeshError if the object and the settings do not go together.
     """
-    if settings.band_count >= settings.steps:
-        raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
+    if settings.band_count >= settings.least_steps:
+        raise Refusal(f"{settings.bands} bands need more than {settings.least_steps} steps")
     if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
         raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
     surface = Surface.read(obj)

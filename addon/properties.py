@@ -11,7 +11,7 @@ from bpy.props import (
 )
 
 from .segments import OUTPUTS
-from .settings import BASES, METHOD_ITEMS, Settings
+from .settings import BASES, METHOD_ITEMS, STEPLESS, Settings
 
 
 def copy_choices(
@@ -43,6 +43,21 @@ class DecompositionProperties:
         min=2,
         soft_max=128,
         max=1000,
+    )
+    use_accuracy: BoolProperty(
+        name="Steps by Accuracy",
+        description="Take as many steps as the accuracy needs. The first flows, which tell how "
+        "many, take time too",
+    )
+    accuracy: FloatProperty(
+        name="Error",
+        description="How far the bands may be from those of the finest steps, relative to their "
+        "size: 10% is hardly seen",
+        subtype="PERCENTAGE",
+        default=5,
+        min=0.5,
+        max=50,
+        precision=1,
     )
     eigenpairs: IntProperty(
         name="Eigenfunctions",
@@ -104,6 +119,7 @@ class DecompositionProperties:
             method=self.method,
             bands=self.bands,
             steps=self.steps,
+            accuracy=self.accuracy / 100 if self.use_accuracy else 0.0,
             finest=self.finest / 100 if self.use_scales else 0.0,
             largest=self.largest / 100 if self.use_scales else 0.0,
             eigenpairs=self.eigenpairs,
@@ -119,7 +135,11 @@ def draw_method(choices: DecompositionProperties, layout: bpy.types.UILayout) ->
     layout.prop(choices, "method")
     if choices.method != "DISPLACEMENT":
         layout.prop(choices, "bands")
-        layout.prop(choices, "steps")
+        is_adaptive = choices.use_accuracy and choices.method not in STEPLESS
+        row = layout.row(align=True)
+        row.prop(choices, "accuracy" if is_adaptive else "steps")
+        if choices.method not in STEPLESS:
+            row.prop(choices, "use_accuracy", text="", icon="DRIVER_DISTANCE")
     if choices.method == "LB":
         layout.prop(choices, "eigenpairs")
 

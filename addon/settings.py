@@ -40,6 +40,8 @@ BASES = (
     ("FLAT", "Flat", "The object flattened along its local Z axis: for reliefs and terrain"),
     ("KEY", "Shape Key", "One of the object's shape keys"),
 )
+# Where an accuracy is asked for: steps of the first flow. The next has twice as many.
+FEWEST_STEPS = 12
 # Methods that measure from a base, and those that take no time steps.
 WITH_BASE = ("M3", "DISPLACEMENT")
 STEPLESS = ("LB", "DISPLACEMENT")
@@ -50,12 +52,14 @@ class Settings:
     """Arguments of a decomposition.
 
     Sizes are lengths relative to the square root of the surface area; 0 stands for what suits
-    the method.
+    the method. An accuracy, the relative error of the bands, takes as many steps as it needs; 0
+    takes ``steps``.
     """
 
     method: str = "M1"
     bands: int = 5
     steps: int = 32
+    accuracy: float = 0.0
     finest: float = 0.0
     largest: float = 0.0
     eigenpairs: int = 300
@@ -69,6 +73,16 @@ class Settings:
         """How many bands there will be."""
         return 1 if self.method == "DISPLACEMENT" else self.bands
 
+    @property
+    def least_steps(self) -> int:
+        """How many steps there will be at least."""
+        return 2 * FEWEST_STEPS if self.is_adaptive else self.steps
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the accuracy decides on the steps."""
+        return bool(self.accuracy) and self.method not in STEPLESS
+
     def arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
         """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
 
@@ -80,7 +94,10 @@ class Settings:
         if self.method == "LB" and not (self.finest or self.largest):
             arguments["steps"] = self.steps
         elif self.method != "DISPLACEMENT":
-            arguments["times"] = spectral_tv.graded_times(*self.scales(mesh), self.steps)
+            steps = FEWEST_STEPS if self.is_adaptive else self.steps
+            arguments["times"] = spectral_tv.graded_times(*self.scales(mesh), steps)
+        if self.is_adaptive:
+            arguments["accuracy"] = self.accuracy
         return arguments
 
     def method_arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:

@@ -53,6 +53,14 @@ All other formats hold the filtered shape."""
         add("--bands", metavar="N", type=whole(1, 32), default=5, help="1 to 32; default 5")
         add("--steps", metavar="N", type=whole(2, 1000), default=32, help="of the flow; default 32")
         add(
+            "--accuracy",
+            metavar="E",
+            type=_accuracy,
+            default=0.0,
+            help="relative error of the bands, such as 0.05: as many steps are taken as it needs, "
+            "and --steps is of no account",
+        )
+        add(
             "--eigenpairs",
             metavar="N",
             type=whole(2, 10000),
@@ -112,9 +120,12 @@ All other formats hold the filtered shape."""
 
     def complaint(self, choices: argparse.Namespace) -> str | None:
         """What is wrong with them together."""
-        bands = settings(choices).band_count
-        if bands >= choices.steps:
-            return f"{bands} bands need more than {choices.steps} steps"
+        asked = settings(choices)
+        bands = asked.band_count
+        if bands >= asked.least_steps:
+            return f"{bands} bands need more than {asked.least_steps} steps"
+        if choices.accuracy and not asked.is_adaptive:
+            return f"--accuracy is not for --method {choices.method}, which takes no time steps"
         if 0 < choices.largest <= choices.finest:
             return "--largest has to be larger than --finest"
         if choices.method.upper() not in WITH_BASE and (choices.base or choices.base_amount):
@@ -144,6 +155,7 @@ def settings(choices: argparse.Namespace) -> Settings:
         method=choices.method.upper(),
         bands=choices.bands,
         steps=choices.steps,
+        accuracy=choices.accuracy,
         finest=choices.finest,
         largest=choices.largest,
         eigenpairs=choices.eigenpairs,
@@ -176,6 +188,10 @@ def _gain(text: str) -> tuple[int | None, float]:
     if band != "all" and not (band.isdecimal() and int(band) > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not BAND=GAIN, such as 1=0 or all=2")
     return (None if band == "all" else int(band)), number(gain, LEAST_GAIN, MOST_GAIN)
+
+
+def _accuracy(text: str) -> float:
+    return number(text, 0.005, 0.5)
 
 
 def _curve(text: str) -> Sequence[tuple[float, float]]:

@@ -78,6 +78,11 @@ def test_what_cannot_be_decomposed_names_object_and_reason(monkey, tmp_path: Pat
         (["decompose", "IN", "-o", "x.ply", "--method", "m9"], "invalid choice"),
         (["decompose", "IN", "-o", "x.ply", "--bands", "0"], "not a number from 1 to 32"),
         (["decompose", "IN", "-o", "x.ply", "--bands", "9", "--steps", "9"], "need more than 9"),
+        (["decompose", "IN", "-o", "x.ply", "--accuracy", "0"], "not a number from 0.005"),
+        (
+            ["decompose", "IN", "-o", "x.ply", "--accuracy", "0.1", "--method", "lb"],
+            "takes no time steps",
+        ),
         (["decompose", "IN", "-o", "x.ply", "--gain", "6=1"], "no band 6 among 5"),
         (["decompose", "IN", "-o", "x.ply", "--gain", "0=1"], "is not BAND=GAIN"),
         (["decompose", "IN", "-o", "x.ply", "--gain", "1=nan"], "not a number from -9 to 11"),

@@ -67,3 +67,27 @@ def test_bands_converge_as_steps_refine(method):
     print(method, errors)
     assert errors[0] > errors[1] > errors[2]
     assert errors[2] < 0.6 * errors[0]
+
+
+@pytest.mark.parametrize("method", ["m1", "m2", "m3"])
+def test_as_many_steps_as_an_accuracy_takes(method):
+    mesh = spectral_tv.Mesh(*bumpy_sphere(4, amplitude=0.3))
+    fine = spectral_tv.decompose(mesh, method, steps=1000).flow
+    shape = (-1, len(mesh.vertex_areas), 1 if method == "m3" else 3)
+    counts = []
+    for accuracy in (0.2, 0.02):
+        flow = spectral_tv.decompose(mesh, method, accuracy=accuracy).flow
+        states, fine_states = flow.states.reshape(shape), fine.states.reshape(shape)
+        errors = band_errors(mesh.vertex_areas, flow.times, states, fine.times, fine_states)
+        print(method, accuracy, len(flow.times) - 1, errors.mean())
+        assert errors.mean() < 1.5 * accuracy
+        counts.append(len(flow.times) - 1)
+    assert counts[0] < counts[1] < 1000
+
+
+def test_an_accuracy_keeps_the_times_that_are_given():
+    mesh = spectral_tv.Mesh(*bumpy_sphere(3))
+    times = spectral_tv.graded_times(1e-4 * mesh.area, 1e-2 * mesh.area, 8)
+    found = spectral_tv.decompose(mesh, "m1", times=times, accuracy=0.1).times
+    assert len(found) > len(times)
+    assert np.isin(times, found).all()

@@ -52,6 +52,12 @@ def test_mesh_refuses(vertices, triangles, message):
     [
         ({"method": "m4"}, 'method must be .* not "m4"'),
         ({"steps": 0}, "steps must be at least 1"),
+        ({"accuracy": 0.0}, "accuracy must be above 0"),
+        ({"accuracy": np.nan}, "accuracy must be above 0"),
+        ({"accuracy": 1e-12}, "accuracy .* takes more than 2000 steps"),
+        ({"accuracy": 0.1, "times": [0.0]}, "at least two values"),
+        ({"accuracy": 0.1, "times": [0.0, 0.2, 0.2]}, r"times\[2\] is 0.2 after 0.2"),
+        ({"accuracy": 0.1, "method": "lb"}, "methods that take time steps"),
         ({"scheme": "magic"}, "scheme must be"),
         ({"solver": "magic"}, "solver must be"),
         ({"times": [0.0]}, "at least two values"),

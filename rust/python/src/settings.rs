@@ -5,7 +5,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::Weights;
-use spectral_tv::method::{self, Base, Method, Scheme, Settings, relative_scales};
+use spectral_tv::method::{self, Base, Method, Scheme, Settings, Steps, relative_scales};
 use spectral_tv::solver::Solver;
 
 use crate::arrays;
@@ -16,6 +16,7 @@ pub struct Request<'a, 'py> {
     pub method: &'a str,
     pub times: Option<Bound<'py, PyAny>>,
     pub steps: usize,
+    pub accuracy: Option<f64>,
     pub scheme: &'a str,
     pub tolerance: f64,
     pub solver: &'a str,
@@ -34,7 +35,10 @@ impl Request<'_, '_> {
                 Some(times) => Some(arrays::list("times", times)?),
                 None => None,
             },
-            steps: self.steps,
+            steps: match self.accuracy {
+                Some(accuracy) => Steps::Accuracy(accuracy),
+                None => Steps::Count(self.steps),
+            },
             scheme: scheme(self.scheme, self.tolerance)?,
             solver: solver(self.solver)?,
         })
@@ -107,6 +111,7 @@ pub fn default_scales(method: &str, eigenpairs: usize) -> Result<(f64, f64), Fai
         method,
         times: None,
         steps: 1,
+        accuracy: None,
         scheme: "extrapolated",
         tolerance: 1e-3,
         solver: "auto",

@@ -14,7 +14,7 @@ use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
 use spectral_tv::flow::{Trajectory, Weights};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{
-    Base, Method, Scheme, Settings, decompose, default_times, graded_times, run_flow,
+    Base, Method, Scheme, Settings, Steps, decompose, default_times, graded_times, run_flow,
 };
 use spectral_tv::monitor::Monitor;
 use spectral_tv::operators::Discretization;
@@ -115,7 +115,7 @@ fn flow(mesh: &TriangleMesh, method: Method, solver: Solver) -> Result<()> {
     let settings = Settings {
         method,
         times: None,
-        steps: STEPS,
+        steps: Steps::Count(STEPS),
         scheme: Scheme::SemiImplicit(Weights::Extrapolated),
         solver,
     };

@@ -102,7 +102,8 @@ impl Recorder {
     }
 }
 
-fn check_times(times: &[f64]) -> Result<()> {
+/// Refuses times that do not increase from 0.
+pub(crate) fn check_times(times: &[f64]) -> Result<()> {
     if times.len() < 2 {
         return Err(Error::Argument(format!(
             "times needs at least two values, 0 and an end; it has {}",

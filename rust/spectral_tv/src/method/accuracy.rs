@@ -6,11 +6,12 @@
 //! bands to those of a refined flow. Both are measured, for the steps asked for and for the
 //! paper's.
 
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array2, Axis};
 
 use crate::error::{Error, Result};
-use crate::flow::{Trajectory, Weights, velocity};
+use crate::flow::{Weights, velocity};
 use crate::mesh::TriangleMesh;
+use crate::method::band_errors::{band_errors, bands, lengths};
 use crate::method::decompose::{Scheme, Settings, run_flows};
 use crate::method::representation::{Flowed, Representation};
 use crate::method::{default_times, graded_times};
@@ -175,67 +176,4 @@ fn paper_all_pass(
         first += values.nrows();
     }
     shape
-}
-
-/// The bands between `edges`, (C, V) each, with components spread evenly around their times.
-///
-/// Sums of components of the same flow at other times differ by what falls to the wrong side of
-/// an edge; u − t u_t, interpolated linearly between the midpoints of the steps, does not.
-fn bands(trajectory: &Trajectory, edges: &[f64]) -> Vec<Array2<f64>> {
-    let times = &trajectory.times;
-    let steps = times.len() - 1;
-    // u at t = 0, and from then on at the middle of step k − 1.
-    let node = |k: usize| match k {
-        0 => 0.0,
-        k => 0.5 * (times[k - 1] + times[k]),
-    };
-    // Of every step's increment, how much of it is in u − t u_t at a node, u(0) apart.
-    let share_of = |step: usize, k: usize| match step + 1 {
-        later if later > k => 0.0,
-        last if last == k => -times[step] / (times[k] - times[step]),
-        _ => 1.0,
-    };
-    let intercept = |edge: f64| {
-        let k = (1..steps).find(|&k| edge < node(k)).unwrap_or(steps);
-        let share = (edge - node(k - 1)) / (node(k) - node(k - 1));
-        let factor =
-            |step: usize| (1.0 - share) * share_of(step, k - 1) + share * share_of(step, k);
-        let mut value = trajectory.initial().to_owned();
-        trajectory.add_increments(&(0..steps).map(factor).collect::<Vec<_>>(), &mut value);
-        value
-    };
-    let mut before = intercept(edges[0]);
-    let mut bands = Vec::with_capacity(edges.len() - 1);
-    for &edge in &edges[1..] {
-        let after = intercept(edge);
-        bands.push(&before - &after);
-        before = after;
-    }
-    bands
-}
-
-/// The distance of `bands` from `refined` at every vertex, over all bands together, and of each
-/// band relative to its norm.
-fn band_errors(
-    bands: &[Array2<f64>],
-    refined: &[Array2<f64>],
-    masses: &[f64],
-) -> (Array1<f64>, Array1<f64>) {
-    let mut squares = Array1::zeros(masses.len());
-    let mut relative = Vec::with_capacity(bands.len());
-    let norm = |lengths: &Array1<f64>| {
-        let terms = lengths.iter().zip(masses);
-        terms.map(|(d, mass)| mass * d * d).sum::<f64>().sqrt()
-    };
-    for (band, refined) in bands.iter().zip(refined) {
-        let distance = lengths(&(band - refined));
-        relative.push(norm(&distance) / norm(&lengths(refined)).max(f64::MIN_POSITIVE));
-        squares += &distance.mapv(|d| d * d);
-    }
-    (squares.mapv(f64::sqrt), relative.into())
-}
-
-/// |·| at every vertex, over all channels of `values` (C, V).
-fn lengths(values: &Array2<f64>) -> Array1<f64> {
-    values.map_axis(Axis(0), |value| value.dot(&value).sqrt())
 }

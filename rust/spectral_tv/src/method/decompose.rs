@@ -3,8 +3,11 @@
 use ndarray::Array2;
 
 use crate::error::{Error, Result};
-use crate::flow::{Eigenpairs, Law, Trajectory, Weights, proximal_flow, semi_implicit_flow};
+use crate::flow::{
+    Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow,
+};
 use crate::mesh::TriangleMesh;
+use crate::method::adaptive_steps::{FEWEST_STEPS, adapted, subdivided};
 use crate::method::representation::{Flowed, Representation};
 use crate::method::{Base, Decomposition, Displacement, Method, default_times, relative_scales};
 use crate::monitor::Stage;
@@ -31,6 +34,26 @@ pub enum Scheme {
     },
 }
 
+/// How many steps are taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Steps {
+    /// N, where no times are given.
+    Count(usize),
+    /// As many as the mean error of five even bands, relative to the bands, takes; given times
+    /// are cut into more.
+    Accuracy(f64),
+}
+
+impl Steps {
+    /// Their number, or the fewest.
+    fn fewest(self) -> usize {
+        match self {
+            Self::Count(count) => count,
+            Self::Accuracy(_) => FEWEST_STEPS,
+        }
+    }
+}
+
 /// What to decompose by.
 #[derive(Debug, Clone)]
 pub struct Settings {
@@ -38,8 +61,8 @@ pub struct Settings {
     pub method: Method,
     /// N + 1 times from 0, length²; `None`: [`default_times`], or [`Eigenpairs::times`].
     pub times: Option<Vec<f64>>,
-    /// Number of steps N, where no times are given.
-    pub steps: usize,
+    /// How many steps there are.
+    pub steps: Steps,
     /// How steps are taken.
     pub scheme: Scheme,
     /// How linear systems are solved.
@@ -57,6 +80,11 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     );
     if matches!(settings.scheme, Scheme::Exact { .. }) && !has_steps {
         return Err(no_exact_steps());
+    }
+    if matches!(settings.steps, Steps::Accuracy(_)) && !has_steps {
+        let message =
+            "accuracy is for methods that take time steps, not \"lb\" or \"displacement\"";
+        return Err(Error::Argument(message.into()));
     }
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
@@ -80,10 +108,6 @@ fn by_steps(
     settings: &Settings,
     stage: Stage,
 ) -> Result<(Trajectory, Option<Displacement>)> {
-    let times = match &settings.times {
-        Some(times) => times.clone(),
-        None => default_times(&settings.method, mesh.area(), settings.steps)?,
-    };
     let share = match settings.method {
         Method::DirectionalTv { .. } => BASE_SHARE,
         _ => 0.0,
@@ -98,7 +122,22 @@ fn by_steps(
         settings.solver,
         stage.stage(0.0, share),
     )?;
-    let trajectory = run_flows(operators, &flows, settings, &times, stage.stage(share, 1.0))?;
+    let flow = |times: &[f64], stage: Stage| run_flows(operators, &flows, settings, times, stage);
+    let times = |steps: usize| default_times(&settings.method, mesh.area(), steps);
+    let rest = stage.stage(share, 1.0);
+    let trajectory = match (settings.steps, &settings.times) {
+        (Steps::Count(_), Some(times)) => flow(times, rest)?,
+        (Steps::Count(count), None) => flow(&times(count)?, rest)?,
+        (Steps::Accuracy(accuracy), Some(given)) => {
+            check_times(given)?;
+            let fewest = given.len() - 1;
+            let times = |steps: usize| Ok(subdivided(given, steps));
+            adapted(operators, accuracy, fewest, times, flow, rest)?
+        }
+        (Steps::Accuracy(accuracy), None) => {
+            adapted(operators, accuracy, FEWEST_STEPS, times, flow, rest)?
+        }
+    };
     Ok((trajectory, displacement))
 }
 
@@ -135,7 +174,7 @@ fn by_eigenpairs(
         Some(times) => times.clone(),
         None => {
             let (_, largest) = relative_scales(&settings.method);
-            pairs.times(largest * mesh.area(), settings.steps)?
+            pairs.times(largest * mesh.area(), settings.steps.fewest())?
         }
     };
     let stage = stage.stage(EIGENPAIRS_SHARE, 1.0);

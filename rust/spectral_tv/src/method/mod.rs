@@ -5,6 +5,8 @@
 //! takes no steps.
 
 mod accuracy;
+mod adaptive_steps;
+mod band_errors;
 mod decompose;
 mod decomposition;
 mod directional;
@@ -13,7 +15,7 @@ mod representation;
 mod schedule;
 
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
-pub use decompose::{Scheme, Settings, decompose, run_flow};
+pub use decompose::{Scheme, Settings, Steps, decompose, run_flow};
 pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement};
 pub use schedule::{default_times, graded_times, relative_scales};

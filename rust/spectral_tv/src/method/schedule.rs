@@ -38,8 +38,9 @@ pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>>
     Ok((0..=steps).map(time).collect())
 }
 
-/// c and t_N relative to the area, as [`default_times`] takes them: from the skin to the largest feature that the method is for.
-/// The flow ends while the body still stands, so that the residual is one.
+/// c and t_N relative to the area, as [`default_times`] takes them: from the skin to the largest
+/// feature that the method is for. The flow ends while the body still stands, so that the residual
+/// is one.
 pub fn relative_scales(method: &Method) -> (f64, f64) {
     match method {
         Method::Heat | Method::Naive | Method::ShapeTv => (1e-5, 3e-3),
