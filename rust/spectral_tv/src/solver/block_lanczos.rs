@@ -209,7 +209,11 @@ fn enlarged(matrix: &Array2<f64>, along: &Array2<f64>) -> Array2<f64> {
 /// is left to itself once the monitor was cancelled.
 fn ritz_pairs(matrix: &Array2<f64>, count: usize, stage: Stage) -> Result<(Vec<f64>, Array2<f64>)> {
     let size = matrix.nrows();
-    let dense = Mat::from_fn(size, size, |i, j| matrix[[i, j]]);
+    // faer's tolerances are absolute.
+    let scale = matrix
+        .iter()
+        .fold(f64::MIN_POSITIVE, |most, entry| most.max(entry.abs()));
+    let dense = Mat::from_fn(size, size, |i, j| matrix[[i, j]] / scale);
     let (sender, receiver) = channel();
     thread::spawn(move || sender.send(dense.self_adjoint_eigen(Side::Lower)));
     let pairs = loop {
@@ -226,7 +230,7 @@ fn ritz_pairs(matrix: &Array2<f64>, count: usize, stage: Stage) -> Result<(Vec<f
     let (values, vectors) = (pairs.S().column_vector(), pairs.U());
     let falling = |k: usize| size - 1 - k;
     Ok((
-        (0..count).map(|k| values[falling(k)]).collect(),
+        (0..count).map(|k| scale * values[falling(k)]).collect(),
         Array2::from_shape_fn((size, count), |(i, k)| vectors[(i, falling(k))]),
     ))
 }
@@ -299,6 +303,14 @@ mod tests {
     fn multiple_eigenvalues_are_found_as_often_as_they_occur() {
         let diagonal: Vec<f64> = (0..400).map(|k| 1.0 / (1 + k / 6) as f64).collect();
         check(&diagonal, 40);
+    }
+
+    #[test]
+    fn the_unit_does_not_matter() {
+        for unit in [1e-18, 1e14] {
+            let diagonal: Vec<f64> = (0..400).map(|k| unit / (1 + k / 2) as f64).collect();
+            check(&diagonal, 40);
+        }
     }
 
     #[test]
