@@ -20,6 +20,7 @@ __all__ = [
     "conformal_flow",
     "cosegment",
     "decompose",
+    "decompose_image",
     "default_scales",
     "deform",
     "eigenpairs",
@@ -29,6 +30,7 @@ __all__ = [
     "start_accuracy",
     "start_cosegment",
     "start_decompose",
+    "start_decompose_image",
     "start_deform",
     "start_eigenset_test",
     "start_flow",
@@ -200,6 +202,7 @@ def decompose(
     base: ArrayLike | None = None,
     base_time: float | None = None,
     eigenpairs: int = 300,
+    metric: Literal["surface", "base"] = "surface",
 ) -> Decomposition: ...
 def start_decompose(
     mesh: Mesh,
@@ -215,6 +218,30 @@ def start_decompose(
     base: ArrayLike | None = None,
     base_time: float | None = None,
     eigenpairs: int = 300,
+    metric: Literal["surface", "base"] = "surface",
+) -> Job: ...
+def decompose_image(
+    image: ArrayLike,
+    metric: Literal["flat", "surface"] = "flat",
+    times: ArrayLike | None = None,
+    steps: int = 32,
+    progress: _Progress | None = None,
+    *,
+    height: float = 32.0,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    solver: _Solver = "auto",
+) -> Flow: ...
+def start_decompose_image(
+    image: ArrayLike,
+    metric: Literal["flat", "surface"] = "flat",
+    times: ArrayLike | None = None,
+    steps: int = 32,
+    *,
+    height: float = 32.0,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    solver: _Solver = "auto",
 ) -> Job: ...
 def accuracy(
     mesh: Mesh,

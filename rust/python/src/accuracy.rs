@@ -154,6 +154,7 @@ pub fn accuracy(
         base,
         base_time,
         eigenpairs: 1,
+        metric: "surface",
     };
     let request = accuracy_request(&request, steps, bands, scales, refinement)?;
     start(mesh, request, |inner| Accuracy { inner })?.wait(py, progress)
@@ -201,6 +202,7 @@ pub fn start_accuracy(
         base,
         base_time,
         eigenpairs: 1,
+        metric: "surface",
     };
     let request = accuracy_request(&request, steps, bands, scales, refinement)?;
     let task = start(mesh, request, |inner| -> Convert {

@@ -92,6 +92,26 @@ pub fn channels(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(Array2<f64>, 
     Ok((values, shape.len() == 1))
 }
 
+/// Pixels of shape (H, W) or (H, W, C) as (C, H × W), with H and W, and whether there were channels.
+pub fn pixels(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(Array2<f64>, [usize; 2], bool)> {
+    let array = numbers(name, value, NUMBERS, "float64")?;
+    let array = array.cast::<PyArrayDyn<f64>>()?;
+    let shape = array.shape().to_vec();
+    let (rows, columns, count) = match shape[..] {
+        [rows, columns] => (rows, columns, 1),
+        [rows, columns, count] if count > 0 => (rows, columns, count),
+        _ => {
+            return Err(MeshError::new_err(format!(
+                "{name} must have the shape (H, W) or (H, W, C), not {shape:?}"
+            )));
+        }
+    };
+    let read = array.readonly();
+    let flat = read.as_slice()?;
+    let values = Array2::from_shape_fn((count, rows * columns), |(c, p)| flat[p * count + c]);
+    Ok((values, [rows, columns], shape.len() == 3))
+}
+
 /// A list of numbers, (N,).
 pub fn list(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     flat(name, &numbers(name, value, NUMBERS, "float64")?)

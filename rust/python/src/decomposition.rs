@@ -10,7 +10,7 @@ use spectral_tv::spectral::even_edges;
 
 use crate::arrays;
 use crate::error::Failure;
-use crate::flow::Flow;
+use crate::flow::{Flow, Layout};
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
 use crate::settings::{Request, gains as parse_gains};
@@ -48,8 +48,12 @@ impl Decomposition {
     #[getter]
     fn flow(&self) -> Flow {
         let transform = self.inner.transform().clone();
-        let is_flat = transform.trajectory().channel_count() == 1;
-        Flow::new(transform, self.inner.vertex_areas().to_vec(), is_flat)
+        let trajectory = transform.trajectory();
+        let layout = Layout {
+            places: vec![trajectory.vertex_count()],
+            has_channels: trajectory.channel_count() > 1,
+        };
+        Flow::new(transform, self.inner.vertex_areas().to_vec(), layout)
     }
 
     /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
@@ -169,6 +173,9 @@ impl Decomposition {
 ///     How far that flow goes, length². Default: 5e-3 of the area.
 /// eigenpairs : int
 ///     How many "lb" uses, the lowest; all of them if the mesh has no more. See `eigenpairs`.
+/// metric : {"surface", "base"}
+///     Whose metric drives the flow of "m3": the mesh's or its base's. With a flat base a height
+///     field is an image, and these are its spectral ATV and its spectral TV (Sec. 9.3).
 ///
 /// Returns
 /// -------
@@ -181,7 +188,8 @@ impl Decomposition {
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, progress = None, *,
                     accuracy = None, scheme = "extrapolated", tolerance = 1e-3,
-                    solver = "auto", p = 3, base = None, base_time = None, eigenpairs = 300))]
+                    solver = "auto", p = 3, base = None, base_time = None, eigenpairs = 300,
+                    metric = "surface"))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -201,6 +209,7 @@ pub fn decompose(
     base: Option<Bound<'_, PyAny>>,
     base_time: Option<f64>,
     eigenpairs: usize,
+    metric: &str,
 ) -> Result<Decomposition, Failure> {
     let request = Request {
         method,
@@ -214,6 +223,7 @@ pub fn decompose(
         base,
         base_time,
         eigenpairs,
+        metric,
     };
     let task = start(mesh, &request, |inner| Decomposition { inner })?;
     task.wait(py, progress)
@@ -231,7 +241,8 @@ pub fn decompose(
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, *,
                     accuracy = None, scheme = "extrapolated", tolerance = 1e-3,
-                    solver = "auto", p = 3, base = None, base_time = None, eigenpairs = 300))]
+                    solver = "auto", p = 3, base = None, base_time = None, eigenpairs = 300,
+                    metric = "surface"))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -249,6 +260,7 @@ pub fn start_decompose(
     base: Option<Bound<'_, PyAny>>,
     base_time: Option<f64>,
     eigenpairs: usize,
+    metric: &str,
 ) -> Result<Job, Failure> {
     let request = Request {
         method,
@@ -262,6 +274,7 @@ pub fn start_decompose(
         base,
         base_time,
         eigenpairs,
+        metric,
     };
     let task = start(mesh, &request, |inner| -> Convert {
         Box::new(move |py| Ok(Py::new(py, Decomposition { inner })?.into_any()))

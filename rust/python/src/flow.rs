@@ -11,27 +11,50 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::settings::gains as parse_gains;
 
-/// A flow sampled at N + 1 times, made by `flow` or found in `Decomposition.flow`.
+/// A flow sampled at N + 1 times, made by `flow` or `decompose_image`, or found in
+/// `Decomposition.flow`.
 ///
 /// The components φ_k at the times t_1 … t_{N−1} and the residual R add up to the values that
 /// were flowed (Brokman et al. 2024, Eqs. 50 and 53), to rounding, whatever the steps. C is 1 and
-/// left out of all shapes where the values were given as (V,).
+/// left out of all shapes where the values were given as (V,). Of an image, V stands for H, W.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Flow {
     transform: SpectralTransform,
     /// Areas of the vertices.
     masses: Vec<f64>,
-    /// Whether the values came as (V,) and go back as such.
-    is_flat: bool,
+    layout: Layout,
+}
+
+/// In which shape values came, and go back.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    /// (V,), or (H, W) of an image.
+    pub places: Vec<usize>,
+    /// Whether there was an axis for channels.
+    pub has_channels: bool,
 }
 
 impl Flow {
-    pub fn new(transform: SpectralTransform, masses: Vec<f64>, is_flat: bool) -> Self {
+    pub fn new(transform: SpectralTransform, masses: Vec<f64>, layout: Layout) -> Self {
         Self {
             transform,
             masses,
-            is_flat,
+            layout,
         }
+    }
+
+    /// (V, C) or (K, V, C) in the layout of the values, behind the axes `before`.
+    fn arranged<'py>(
+        &self,
+        array: Bound<'py, PyAny>,
+        before: &[usize],
+        channels: usize,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut shape = [before, &self.layout.places].concat();
+        if self.layout.has_channels {
+            shape.push(channels);
+        }
+        array.call_method1("reshape", (shape,))
     }
 
     /// (C, V) as (V, C), or as (V,).
@@ -41,20 +64,13 @@ impl Flow {
         values: &ndarray::Array2<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let array = arrays::per_vertex(py, values);
-        Ok(match self.is_flat {
-            true => array.reshape([values.ncols()])?.into_any(),
-            false => array.into_any(),
-        })
+        self.arranged(array.into_any(), &[], values.nrows())
     }
 
     /// (K, V, C), or (K, V).
     fn stack<'py>(&self, py: Python<'py>, values: Array3<f64>) -> PyResult<Bound<'py, PyAny>> {
-        let (count, vertices, _) = values.dim();
-        let array = values.into_pyarray(py);
-        Ok(match self.is_flat {
-            true => array.reshape([count, vertices])?.into_any(),
-            false => array.into_any(),
-        })
+        let (count, _, channels) = values.dim();
+        self.arranged(values.into_pyarray(py).into_any(), &[count], channels)
     }
 }
 
@@ -184,13 +200,21 @@ impl Flow {
         py: Python<'py>,
         weights: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
-        let weights = arrays::weights("weights", weights)?;
+        // Of an image they may have its shape.
+        let weights = match self.layout.places.len() {
+            1 => weights.clone(),
+            _ => {
+                let numpy = py.import("numpy")?;
+                numpy.call_method1("ravel", (weights,))?
+            }
+        };
+        let weights = arrays::weights("weights", &weights)?;
         let means = self.transform.trajectory().mean(&weights, &self.masses)?;
         let nodes = means.nrows();
         let array = means.into_pyarray(py);
-        Ok(match self.is_flat {
-            true => array.reshape([nodes])?.into_any(),
-            false => array.into_any(),
+        Ok(match self.layout.has_channels {
+            true => array.into_any(),
+            false => array.reshape([nodes])?.into_any(),
         })
     }
 

@@ -13,7 +13,7 @@ use spectral_tv::spectral::SpectralTransform;
 
 use crate::arrays;
 use crate::error::Failure;
-use crate::flow::Flow;
+use crate::flow::{Flow, Layout};
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
 use crate::settings::{scheme as parse_scheme, solver as parse_solver};
@@ -157,10 +157,15 @@ fn start<T: Send + 'static>(
             false => Box::new(Heat),
         };
         let trajectory = run_flow(&operators, &*law, scheme, values, &times, solver, stage)?;
+        let layout = Layout {
+            places: vec![trajectory.vertex_count()],
+            has_channels: !is_flat,
+        };
+        let transform = SpectralTransform::new(trajectory);
         Ok(wrap(Flow::new(
-            SpectralTransform::new(trajectory),
+            transform,
             operators.masses().to_vec(),
-            is_flat,
+            layout,
         )))
     })?)
 }

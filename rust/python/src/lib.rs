@@ -10,6 +10,7 @@ mod eigenset;
 mod error;
 mod flow;
 mod flowing;
+mod image;
 mod job;
 mod mesh;
 mod segmentation;
@@ -45,6 +46,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(flowing::start_flow, module)?)?;
     module.add_function(wrap_pyfunction!(flowing::conformal_flow, module)?)?;
     module.add_function(wrap_pyfunction!(flowing::total_variation, module)?)?;
+    module.add_function(wrap_pyfunction!(image::decompose_image, module)?)?;
+    module.add_function(wrap_pyfunction!(image::start_decompose_image, module)?)?;
     module.add_function(wrap_pyfunction!(segmentation::cosegment, module)?)?;
     module.add_function(wrap_pyfunction!(segmentation::start_cosegment, module)?)?;
     module.add_function(wrap_pyfunction!(settings::default_scales, module)?)?;

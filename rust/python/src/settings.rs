@@ -5,7 +5,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::Weights;
-use spectral_tv::method::{self, Base, Method, Scheme, Settings, Steps, relative_scales};
+use spectral_tv::method::{self, Base, Method, Metric, Scheme, Settings, Steps, relative_scales};
 use spectral_tv::solver::Solver;
 
 use crate::arrays;
@@ -24,6 +24,7 @@ pub struct Request<'a, 'py> {
     pub base: Option<Bound<'py, PyAny>>,
     pub base_time: Option<f64>,
     pub eigenpairs: usize,
+    pub metric: &'a str,
 }
 
 impl Request<'_, '_> {
@@ -54,12 +55,27 @@ impl Request<'_, '_> {
             let message = "base_time smooths the mesh itself, so it does not go with base";
             return Err(Error::Argument(message.into()).into());
         }
+        let metric = match self.metric {
+            "surface" => Metric::Surface,
+            "base" if self.method == "m3" => Metric::Base,
+            "base" => {
+                let message = "the metric \"base\" is for the method \"m3\" only";
+                return Err(Error::Argument(message.into()).into());
+            }
+            other => {
+                let message = format!("metric must be \"surface\" or \"base\", not {other:?}");
+                return Err(Error::Argument(message).into());
+            }
+        };
         match self.method {
             "heat" => Ok(Method::Heat),
             "naive" => Ok(Method::Naive),
             "m1" => Ok(Method::ShapeTv),
             "m2" => Ok(Method::ConformalLaplace { p: self.p }),
-            "m3" => Ok(Method::DirectionalTv { base: self.base()? }),
+            "m3" => Ok(Method::DirectionalTv {
+                base: self.base()?,
+                metric,
+            }),
             "lb" if self.eigenpairs == 0 => {
                 Err(Error::Argument("eigenpairs must be at least 1".into()).into())
             }
@@ -119,6 +135,7 @@ pub fn default_scales(method: &str, eigenpairs: usize) -> Result<(f64, f64), Fai
         base: None,
         base_time: None,
         eigenpairs,
+        metric: "surface",
     };
     Ok(relative_scales(&request.method()?))
 }

@@ -14,7 +14,7 @@ use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
 use spectral_tv::flow::{Trajectory, Weights};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{
-    Base, Method, Scheme, Settings, Steps, decompose, default_times, graded_times, run_flow,
+    Base, Method, Metric, Scheme, Settings, Steps, decompose, default_times, graded_times, run_flow,
 };
 use spectral_tv::monitor::Monitor;
 use spectral_tv::operators::Discretization;
@@ -107,8 +107,10 @@ fn m2() -> Method {
 }
 
 fn m3() -> Method {
-    let base = Base::default();
-    Method::DirectionalTv { base }
+    Method::DirectionalTv {
+        base: Base::default(),
+        metric: Metric::default(),
+    }
 }
 
 fn flow(mesh: &TriangleMesh, method: Method, solver: Solver) -> Result<()> {

@@ -7,7 +7,7 @@
 //! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
 //!
 //! [`deformation`] stands beside the flows, on [`minimization`]; [`segmentation`] is of what
-//! [`method`] gives; [`eigenset`] tests sets by their [`flow`].
+//! [`method`] gives; [`eigenset`] tests sets by their [`flow`]; [`image`] flows pixels.
 
 #![forbid(unsafe_code)]
 
@@ -15,6 +15,7 @@ pub mod deformation;
 pub mod eigenset;
 pub mod error;
 pub mod flow;
+pub mod image;
 pub mod mesh;
 pub mod method;
 pub mod minimization;

@@ -5,11 +5,11 @@ const MOLLIFICATION: f64 = 1e-6;
 
 /// The one smallest amount by which all edges are to be enlarged so that every triangle
 /// inequality is strict (Sharp and Crane 2020, "A Laplacian for Nonmanifold Triangle Meshes"). 0
-/// for a healthy mesh.
-pub(super) fn enlargement(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
+/// for a healthy mesh. `lengths` are those of the edges of a triangle.
+pub(super) fn enlargement(triangles: &[[u32; 3]], lengths: impl Fn(usize) -> [f64; 3]) -> f64 {
     let proper = || {
-        let corners = triangles.iter().filter(|t| !repeats_an_index(t));
-        corners.map(|&corners| embedded_lengths(vertices, corners))
+        let proper = (0..triangles.len()).filter(|&t| !repeats_an_index(&triangles[t]));
+        proper.map(&lengths)
     };
     let (count, sum) = proper().fold((0_usize, 0.0), |(count, sum), [a, b, c]| {
         (count + 1, sum + a + b + c)
@@ -20,12 +20,12 @@ pub(super) fn enlargement(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 
         .fold(0.0, f64::max)
 }
 
-/// Lengths of the edges opposite to a triangle's corners, `enlargement` added to each; all three
-/// 0 for a triangle that repeats an index.
-pub(super) fn edge_lengths(vertices: &[[f64; 3]], corners: [u32; 3], enlargement: f64) -> [f64; 3] {
+/// Lengths of the edges of a triangle, `enlargement` added to each; all three 0 for a triangle
+/// that repeats an index.
+pub(super) fn enlarged(corners: [u32; 3], lengths: [f64; 3], enlargement: f64) -> [f64; 3] {
     match repeats_an_index(&corners) {
         true => [0.0; 3],
-        false => embedded_lengths(vertices, corners).map(|length| length + enlargement),
+        false => lengths.map(|length| length + enlargement),
     }
 }
 
@@ -45,7 +45,8 @@ pub(crate) fn face_area(lengths: [f64; 3]) -> f64 {
     0.25 * product.max(0.0).sqrt()
 }
 
-fn embedded_lengths(vertices: &[[f64; 3]], corners: [u32; 3]) -> [f64; 3] {
+/// Lengths of the edges opposite to a triangle's corners, between points in space.
+pub(super) fn embedded_lengths(vertices: &[[f64; 3]], corners: [u32; 3]) -> [f64; 3] {
     let [p, q, r] = corners.map(|corner| vertices[corner as usize]);
     [distance(q, r), distance(r, p), distance(p, q)]
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 pub(crate) use components::connected_components;
-use intrinsic::{edge_lengths, enlargement, face_area};
+use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
 use rayon::prelude::*;
 
 /// A triangle mesh with V vertices and F triangles, and the metric g₀ of its shape.
@@ -20,6 +20,8 @@ pub struct TriangleMesh {
     vertices: Vec<[f64; 3]>,
     /// Shared with the operators.
     triangles: Arc<[[u32; 3]]>,
+    /// Lengths of the edges opposite to each triangle's corners, where they are not distances.
+    own_lengths: Option<Vec<[f64; 3]>>,
     /// What mollification adds to every edge.
     enlargement: f64,
     face_areas: Vec<f64>,
@@ -39,11 +41,39 @@ impl TriangleMesh {
     pub fn new(vertices: Vec<[f64; 3]>, triangles: &[[i64; 3]]) -> Result<Self> {
         check_vertices(&vertices)?;
         let triangles = check_triangles(triangles, vertices.len())?;
-        let enlargement = enlargement(&vertices, &triangles);
-        let lengths = |&corners: &[u32; 3]| edge_lengths(&vertices, corners, enlargement);
-        let face_areas: Vec<f64> = triangles
-            .par_iter()
-            .map(|t| face_area(lengths(t)))
+        Self::measured(vertices, triangles, None)
+    }
+
+    /// The same, measured by lengths of its own: `length` of the edge between two vertices, which
+    /// may be that of an embedding in more dimensions.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`].
+    pub fn with_metric(
+        vertices: Vec<[f64; 3]>,
+        triangles: &[[i64; 3]],
+        length: impl Fn(usize, usize) -> f64,
+    ) -> Result<Self> {
+        check_vertices(&vertices)?;
+        let triangles = check_triangles(triangles, vertices.len())?;
+        let lengths = |corners: &[u32; 3]| {
+            let [p, q, r] = corners.map(|corner| corner as usize);
+            [length(q, r), length(r, p), length(p, q)]
+        };
+        let own_lengths = triangles.iter().map(lengths).collect();
+        Self::measured(vertices, triangles, Some(own_lengths))
+    }
+
+    fn measured(
+        vertices: Vec<[f64; 3]>,
+        triangles: Arc<[[u32; 3]]>,
+        own_lengths: Option<Vec<[f64; 3]>>,
+    ) -> Result<Self> {
+        let lengths = |t: usize| raw_lengths(&vertices, &triangles, own_lengths.as_deref(), t);
+        let enlargement = enlargement(&triangles, lengths);
+        let face_areas: Vec<f64> = (0..triangles.len())
+            .into_par_iter()
+            .map(|t| face_area(enlarged(triangles[t], lengths(t), enlargement)))
             .collect();
         let area = face_areas.iter().sum::<f64>();
         if !(area > 0.0 && area.is_finite()) {
@@ -56,6 +86,7 @@ impl TriangleMesh {
         Ok(Self {
             vertices,
             triangles,
+            own_lengths,
             enlargement,
             face_areas,
             vertex_areas,
@@ -81,7 +112,9 @@ impl TriangleMesh {
     /// Lengths of the edges opposite to the corners of a triangle, mollified; all three 0 for
     /// one that repeats an index. Measured anew, as they are needed once.
     pub fn edge_lengths(&self, triangle: usize) -> [f64; 3] {
-        edge_lengths(&self.vertices, self.triangles[triangle], self.enlargement)
+        let own = self.own_lengths.as_deref();
+        let lengths = raw_lengths(&self.vertices, &self.triangles, own, triangle);
+        enlarged(self.triangles[triangle], lengths, self.enlargement)
     }
 
     /// Area of each triangle, length².
@@ -98,6 +131,19 @@ impl TriangleMesh {
     /// Area of the whole surface, length².
     pub fn area(&self) -> f64 {
         self.area
+    }
+}
+
+/// Lengths of the edges of a triangle before mollification.
+fn raw_lengths(
+    vertices: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    own_lengths: Option<&[[f64; 3]]>,
+    triangle: usize,
+) -> [f64; 3] {
+    match own_lengths {
+        Some(lengths) => lengths[triangle],
+        None => embedded_lengths(vertices, triangles[triangle]),
     }
 }
 

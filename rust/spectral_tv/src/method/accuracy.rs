@@ -92,8 +92,9 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
     let operators = Discretization::new(mesh, stage)?;
     let (method, solver) = (&settings.method, settings.solver);
     let share = stage.stage(0.0, REPRESENTATION_SHARE);
-    let Representation { flows, .. } =
+    let Representation { flows, along, .. } =
         Representation::new(mesh, &operators, method, solver, share)?;
+    let operators = along.map_or(operators, |(_, operators)| operators);
 
     let refined = request.refinement * most;
     let work = (refined + 2 * steps.iter().sum::<usize>()) as f64;

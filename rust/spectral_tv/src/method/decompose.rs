@@ -89,24 +89,28 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
     let operators = Discretization::new(mesh, stage)?;
+    let mut base = None;
     let (trajectory, displacement) = match &settings.method {
         Method::LaplaceBeltrami { eigenpairs } => (
             by_eigenpairs(mesh, &operators, *eigenpairs, settings, stage)?,
             None,
         ),
         Method::Displacement { base } => (by_base(mesh, &operators, base, settings, stage)?, None),
-        _ => by_steps(mesh, &operators, settings, stage)?,
+        _ => by_steps(mesh, &operators, settings, stage, &mut base)?,
     };
     let transform = SpectralTransform::new(trajectory);
-    Decomposition::new(transform, displacement, mesh.vertex_areas(), rest)
+    let areas = base.as_ref().unwrap_or(mesh).vertex_areas();
+    Decomposition::new(transform, displacement, areas, rest)
 }
 
-/// The flow of a method that takes time steps, and M3's representation.
+/// The flow of a method that takes time steps, and M3's representation; `base` becomes that along
+/// which M3 flows, if it does.
 fn by_steps(
     mesh: &TriangleMesh,
     operators: &Discretization,
     settings: &Settings,
     stage: Stage,
+    base: &mut Option<TriangleMesh>,
 ) -> Result<(Trajectory, Option<Displacement>)> {
     let share = match settings.method {
         Method::DirectionalTv { .. } => BASE_SHARE,
@@ -115,6 +119,7 @@ fn by_steps(
     let Representation {
         flows,
         displacement,
+        along,
     } = Representation::new(
         mesh,
         operators,
@@ -122,7 +127,8 @@ fn by_steps(
         settings.solver,
         stage.stage(0.0, share),
     )?;
-    let flow = |times: &[f64], stage: Stage| run_flows(operators, &flows, settings, times, stage);
+    let used = along.as_ref().map_or(operators, |(_, operators)| operators);
+    let flow = |times: &[f64], stage: Stage| run_flows(used, &flows, settings, times, stage);
     let times = |steps: usize| default_times(&settings.method, mesh.area(), steps);
     let rest = stage.stage(share, 1.0);
     let trajectory = match (settings.steps, &settings.times) {
@@ -132,12 +138,13 @@ fn by_steps(
             check_times(given)?;
             let fewest = given.len() - 1;
             let times = |steps: usize| Ok(subdivided(given, steps));
-            adapted(operators, accuracy, fewest, times, flow, rest)?
+            adapted(used, accuracy, fewest, times, flow, rest)?
         }
         (Steps::Accuracy(accuracy), None) => {
-            adapted(operators, accuracy, FEWEST_STEPS, times, flow, rest)?
+            adapted(used, accuracy, FEWEST_STEPS, times, flow, rest)?
         }
     };
+    *base = along.map(|(mesh, _)| mesh);
     Ok((trajectory, displacement))
 }
 

@@ -17,7 +17,7 @@ mod schedule;
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
 pub use decompose::{Scheme, Settings, Steps, decompose, run_flow};
 pub use decomposition::Decomposition;
-pub use directional::{Base, Displacement};
+pub use directional::{Base, Displacement, Metric};
 pub use schedule::{default_times, graded_times, relative_scales};
 
 /// A method of decomposing a shape into scales.
@@ -38,6 +38,8 @@ pub enum Method {
     DirectionalTv {
         /// The smooth base Ŝ.
         base: Base,
+        /// Whose metric drives the flow.
+        metric: Metric,
     },
     /// The eigenfunctions of the Laplace–Beltrami operator (Vallet and Lévy 2008), for
     /// comparison: components are ordered by 1/λ, the first is what the eigenpairs do not hold.

@@ -5,7 +5,7 @@ use ndarray::{Array2, Axis};
 use crate::error::{Error, Result};
 use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
 use crate::mesh::TriangleMesh;
-use crate::method::{Displacement, Method};
+use crate::method::{Displacement, Method, Metric};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
 use crate::solver::Solver;
@@ -24,6 +24,8 @@ pub(super) struct Representation {
     pub flows: Vec<Flowed>,
     /// How M3's scalars become shapes; `None` where positions are flowed.
     pub displacement: Option<Displacement>,
+    /// The base with its operators, where it is along it that M3 flows.
+    pub along: Option<(TriangleMesh, Discretization)>,
 }
 
 impl Representation {
@@ -39,12 +41,14 @@ impl Representation {
         solver: Solver,
         stage: Stage,
     ) -> Result<Self> {
-        let tv = |values: Array2<f64>| -> Result<Flowed> {
+        let tv_on = |operators: &Discretization, values: Array2<f64>| -> Result<Flowed> {
             let law = Box::new(TotalVariation::starting_at(operators, values.view())?);
             Ok(Flowed { law, values })
         };
+        let tv = |values: Array2<f64>| tv_on(operators, values);
         let shape = positions(mesh);
         let mut displacement = None;
+        let mut along = None;
         let flows = match method {
             Method::Heat => vec![Flowed {
                 law: Box::new(Heat),
@@ -61,10 +65,19 @@ impl Representation {
                 law: Box::new(ConformalLaplace::new(mesh, operators, *p)?),
                 values: shape,
             }],
-            Method::DirectionalTv { base } => {
+            Method::DirectionalTv { base, metric } => {
                 let base = base.shape(mesh, operators, solver, stage)?;
                 let found = Displacement::between(mesh, operators, base, solver, stage)?;
-                let flowed = tv(found.distance.clone())?;
+                let flowed = match metric {
+                    Metric::Surface => tv(found.distance.clone())?,
+                    Metric::Base => {
+                        let base = with_shape(mesh, &found.base)?;
+                        let operators = Discretization::new(&base, stage)?;
+                        let flowed = tv_on(&operators, found.distance.clone())?;
+                        along = Some((base, operators));
+                        flowed
+                    }
+                };
                 displacement = Some(found);
                 vec![flowed]
             }
@@ -76,6 +89,14 @@ impl Representation {
         Ok(Self {
             flows,
             displacement,
+            along,
         })
     }
+}
+
+/// The triangles of `mesh` between the positions `shape` (3, V).
+fn with_shape(mesh: &TriangleMesh, shape: &Array2<f64>) -> Result<TriangleMesh> {
+    let vertices = shape.columns().into_iter().map(|p| [p[0], p[1], p[2]]);
+    let triangles: Vec<_> = mesh.triangles().iter().map(|t| t.map(i64::from)).collect();
+    TriangleMesh::new(vertices.collect(), &triangles)
 }
