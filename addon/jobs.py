@@ -67,10 +67,10 @@ class Chain:
 
 @dataclass(frozen=True)
 class Running:
-    """A job under way, and what its object looked like when it was started."""
+    """A job under way, and the name and state of what it is of from when it was started."""
 
     job: spectral_tv.Job | Chain
-    object_name: str
+    name: str
     state: str
     message: str
 
@@ -78,10 +78,10 @@ class Running:
 _running: Running | None = None
 
 
-def start(job: spectral_tv.Job | Chain, obj: bpy.types.Object, message: str) -> None:
+def start(job: spectral_tv.Job | Chain, name: str, state: str, message: str) -> None:
     """Take a job over; it is cancelled when Blender loads a file or disables the extension."""
     global _running  # noqa: PLW0603
-    _running = Running(job, obj.name, state_of(obj), message)
+    _running = Running(job, name, state, message)
 
 
 def running() -> Running | None:
@@ -98,5 +98,5 @@ def finish() -> None:
 
 
 def state_of(obj: bpy.types.Object) -> str:
-    """Digest of all that a result depends on."""
+    """Digest of all of an object that a result depends on."""
     return topology_digest(obj.data) + digest(basis_coordinates(obj.data))

@@ -1,5 +1,7 @@
 """The properties of a decomposition, shared by the sidebar and the operator."""
 
+import inspect
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -11,15 +13,16 @@ from bpy.props import (
 )
 
 from .segments import OUTPUTS
-from .settings import BASES, METHOD_ITEMS, STEPLESS, Settings
+from .settings import BASES, METHOD_ITEMS, METRICS, STEPLESS, Settings
 
 
 def copy_choices(
     kind: type, source: bpy.types.PropertyGroup, target: bpy.types.OperatorProperties
 ) -> None:
-    """Give ``target`` the properties that ``kind``, a class of both, declares."""
-    for name in kind.__annotations__:
-        setattr(target, name, getattr(source, name))
+    """Give ``target`` the properties that ``kind``, a class of both, and its bases declare."""
+    for cls in kind.__mro__:
+        for name in inspect.get_annotations(cls):
+            setattr(target, name, getattr(source, name))
 
 
 class DecompositionProperties:
@@ -109,6 +112,12 @@ class DecompositionProperties:
         precision=1,
     )
     base_key: StringProperty(name="Shape Key", description="The shape key that is the base")
+    metric: EnumProperty(
+        name="Distances",
+        description="Along what distances are measured, and with them sizes",
+        items=METRICS,
+        default="SURFACE",
+    )
     vertex_group: StringProperty(
         name="Vertex Group", description="Limits where the bands have an effect"
     )
@@ -126,6 +135,7 @@ class DecompositionProperties:
             base=self.base,
             base_amount=self.base_amount / 100 if self.use_base_amount else 0.0,
             base_key=self.base_key,
+            metric=self.metric,
             vertex_group=self.vertex_group,
         )
 

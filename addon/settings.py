@@ -45,6 +45,10 @@ FEWEST_STEPS = 12
 # Methods that measure from a base, and those that take no time steps.
 WITH_BASE = ("M3", "DISPLACEMENT")
 STEPLESS = ("LB", "DISPLACEMENT")
+METRICS = (
+    ("SURFACE", "Surface", "Along the object itself: on images, adaptive spectral TV"),
+    ("BASE", "Base", "Along the base: with the flat one, the spectral TV of images"),
+)
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,7 @@ class Settings:
     base: str = "FLOW"
     base_amount: float = 0.0
     base_key: str = ""
+    metric: str = "SURFACE"
     vertex_group: str = ""
 
     @property
@@ -89,6 +94,8 @@ class Settings:
         Raises spectral_tv.MeshError if the scales make no sense.
         """
         arguments = self.method_arguments(mesh, base)
+        if self.method == "M3":
+            arguments["metric"] = self.metric.lower()
         if self.method == "LB":
             arguments["eigenpairs"] = self.eigenpairs
         if self.method == "LB" and not (self.finest or self.largest):

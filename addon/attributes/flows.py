@@ -8,8 +8,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .. import filter_curve
-from ..gains import curve_values, preset_values
+from ..filtering import filter_values
 from ..objects import Refusal
 from ..surface import Surface
 from .outputs import BAND, REST
@@ -58,7 +57,7 @@ def prepare(obj: bpy.types.Object, choice: Choice, is_even: bool = False) -> Pre
     if choice.result != "FLOW" and choice.bands >= choice.steps:
         raise Refusal(f"{choice.bands} bands need more than {choice.steps} steps")
     if choice.result == "FILTER":
-        _values(choice)  # refused now rather than after the work
+        filter_values(choice)  # refused now rather than after the work
     source, surface = read(obj, choice.kind, choice.source), Surface.read(obj)
     values = source.values
     if source.kind == "KEY":  # as lengths on the surface, which is in world scale
@@ -97,7 +96,7 @@ def results(prepared: Prepared, choice: Choice, flow: spectral_tv.Flow) -> dict[
             found = {f"{BAND} {number}": band for number, band in enumerate(bands, start=1)}
             found[REST] = flow.residual
         else:
-            filtered = np.tensordot(1 + np.array(_values(choice)), bands, axes=1)
+            filtered = np.tensordot(1 + np.array(filter_values(choice)), bands, axes=1)
             found = {"Filtered": filtered + choice.keep_rest * flow.residual}
     surface = prepared.surface
     if prepared.source.kind == "KEY":
@@ -112,21 +111,3 @@ def _time(law: str, length: float, contrast: float) -> float:
     6 % of it are left in its middle at the square of its width.
     """
     return contrast * length / 4 if law == "TV" else length**2
-
-
-def _values(choice: Choice) -> list[float]:
-    """What is added to every band, times the band: −1 removes it."""
-    if choice.preset == "GAINS":
-        try:
-            gains = [float(word) for word in choice.gains.replace(",", " ").split()]
-        except ValueError as error:
-            raise Refusal(f"the gains are not numbers: {choice.gains!r}") from error
-        if len(gains) != choice.bands or not np.isfinite(gains).all():
-            raise Refusal(f"{choice.bands} bands need as many gains, not {choice.gains!r}")
-        return [gain - 1 for gain in gains]
-    if choice.preset == "CURVE":
-        node = filter_curve.find()
-        if node is None:
-            raise Refusal("there is no filter curve")
-        return curve_values(lambda position: filter_curve.evaluate(node, position), choice.bands)
-    return preset_values(choice.preset, choice.bands, choice.first, choice.last, choice.amount)

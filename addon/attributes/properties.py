@@ -5,12 +5,11 @@ from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
-    IntProperty,
     PointerProperty,
     StringProperty,
 )
 
-from ..gains import PRESETS
+from ..filtering import FilterProperties
 from .curves import PARTS
 from .flows import Choice
 from .sources import KINDS, names
@@ -24,11 +23,6 @@ LAWS = (
     ("TV", "Total Variation", "Edges stay crisp: every spot keeps its outline until it is gone"),
     ("HEAT", "Heat", "Linear diffusion, which blurs edges; for comparison"),
 )
-FILTERS = (
-    *(preset for preset in PRESETS if preset[0] != "RESET"),
-    ("GAINS", "Gains", "A gain for every band: 0 removes it, 1 keeps it, 2 doubles it"),
-    ("CURVE", "Filter Curve", "The curve of the panel Filter Curve: left is the finest band"),
-)
 SIZE = "relative to the object's size. A round spot of this width is gone"
 
 
@@ -37,7 +31,7 @@ def _names(self: "AttributeProperties", context: bpy.types.Context, _text: str) 
     return names(obj, self.kind) if obj is not None and obj.type == "MESH" else []
 
 
-class AttributeProperties:
+class AttributeProperties(FilterProperties):
     """What is flowed, how, and what of it is written; sizes are percentages of √ of the area."""
 
     kind: EnumProperty(name="Flow", description="What is flowed", items=KINDS)
@@ -83,45 +77,6 @@ class AttributeProperties:
         max=1000,
         precision=2,
     )
-    bands: IntProperty(
-        name="Bands", description="Number of bands, finest first", default=5, min=1, max=32
-    )
-    steps: IntProperty(
-        name="Steps",
-        description="Number of time steps of the flow. More steps are more accurate and separate "
-        "scales more sharply",
-        default=32,
-        min=2,
-        soft_max=128,
-        max=1000,
-    )
-    preset: EnumProperty(
-        name="Filter", description="What happens to the bands", items=FILTERS, default="LOW_PASS"
-    )
-    first: IntProperty(
-        name="From", description="First of the chosen bands; 1 is the finest", default=3, min=1
-    )
-    last: IntProperty(
-        name="To", description="Last of the chosen bands; 1 is the finest", default=3, min=1
-    )
-    amount: FloatProperty(
-        name="Exaggerate by",
-        description="How much is added to the chosen bands: 1 doubles them",
-        default=1,
-        soft_min=-1,
-        soft_max=4,
-    )
-    gains: StringProperty(
-        name="Gains",
-        description="A number for every band, finest first, with spaces or commas between: "
-        "0 removes it, 1 keeps it, 2 doubles it",
-        default="0 0 1 1 1",
-    )
-    keep_rest: BoolProperty(
-        name="Keep the Rest",
-        description="Keep what no band holds: the values' largest spots and their mean",
-        default=True,
-    )
 
     def choice(self) -> Choice:
         """The properties as they are."""
@@ -142,24 +97,13 @@ class AttributeProperties:
             column.prop(self, "largest")
             column.prop(self, "bands")
         if self.result == "FILTER":
-            self._draw_filter(layout.column())
+            self.draw_filter(layout.column())
         column = layout.column()
         column.prop(self, "law")
         row = column.row()
         row.active = self.law == "TV"
         row.prop(self, "exact")
         column.prop(self, "steps")
-
-    def _draw_filter(self, column: bpy.types.UILayout) -> None:
-        column.prop(self, "preset")
-        if self.preset == "GAINS":
-            column.prop(self, "gains")
-        elif self.preset != "CURVE":
-            column.prop(self, "first")
-            column.prop(self, "last")
-        if self.preset == "EXAGGERATE":
-            column.prop(self, "amount")
-        column.prop(self, "keep_rest")
 
 
 class MeasureProperties:

@@ -7,9 +7,10 @@ import bpy
 
 from .decompose import Decompose
 from .deform import Deform
+from .image import Filter
 
 NAME = "spectral_tv"
-VERBS = (Decompose(), Deform())
+VERBS = (Decompose(), Deform(), Filter())
 INTERRUPTED = 130
 
 
@@ -19,7 +20,7 @@ def run(arguments: list[str]) -> int:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     parser = argparse.ArgumentParser(
         prog=f"blender --command {NAME}",
-        description="Filter the detail of meshes, or move parts of them; write or picture them.",
+        description="Filter the detail of meshes or pictures, or move parts of meshes.",
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for verb in VERBS:

@@ -117,6 +117,11 @@ def number(text: str, least: float, most: float) -> float:
     return value
 
 
+def positive(text: str) -> float:
+    """Read a number above 0."""
+    return number(text, np.finfo(float).tiny, 1e9)
+
+
 def percent(text: str, least: float = 0.01) -> float:
     """Read a percentage; the sign is optional."""
     return number(text.removesuffix("%"), least, 100)

@@ -10,7 +10,7 @@ import spectral_tv
 
 from ..bands import add_bands, prepare, set_values
 from ..gains import curve_values
-from ..settings import COMPARISONS, METHODS, WITH_BASE, Settings
+from ..settings import COMPARISONS, METHODS, METRICS, WITH_BASE, Settings
 from ..shape_keys import SLIDER_RANGE
 from .arguments import number, percent, whole
 from .progress import progress
@@ -88,6 +88,12 @@ All other formats hold the filtered shape."""
             "object flattened along its Z axis, or a shape key by its name",
         )
         add(
+            "--metric",
+            type=str.lower,
+            choices=[name.lower() for name, _, _ in METRICS],
+            help="along what m3 measures distances: the object itself (default), or the base",
+        )
+        add(
             "--base-amount",
             metavar="PERCENT",
             type=_share,
@@ -100,42 +106,22 @@ All other formats hold the filtered shape."""
             default="",
             help="limits where the bands have an effect",
         )
-        add(
-            "--gain",
-            metavar="BAND=GAIN",
-            dest="gains",
-            type=_gain,
-            action="append",
-            default=[],
-            help="0 removes a band, 1 keeps it, 2 doubles it; bands count from 1, the finest, or "
-            "all. Repeatable, later ones win",
-        )
-        add(
-            "--curve",
-            metavar="X:Y,X:Y,…",
-            type=_curve,
-            help="gains as a curve: X from 0, the finest, to 1, the largest; Y the gain. --gain "
-            "wins",
-        )
+        add_gains(parser)
 
-    def complaint(self, choices: argparse.Namespace) -> str | None:
+    def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
         """What is wrong with them together."""
         asked = settings(choices)
-        bands = asked.band_count
-        if bands >= asked.least_steps:
-            return f"{bands} bands need more than {asked.least_steps} steps"
         if choices.accuracy and not asked.is_adaptive:
             return f"--accuracy is not for --method {choices.method}, which takes no time steps"
         if 0 < choices.largest <= choices.finest:
             return "--largest has to be larger than --finest"
         if choices.method.upper() not in WITH_BASE and (choices.base or choices.base_amount):
             return "--base and --base-amount go with --method m3 or displacement"
+        if choices.method != "m3" and choices.metric:
+            return "--metric goes with --method m3"
         if choices.base_amount and choices.base not in (None, "flow"):
             return "--base-amount goes with the smoothed base, --base flow"
-        for band, _ in choices.gains:
-            if band is not None and band > bands:
-                return f"there is no band {band} among {bands}"
-        return None
+        return complaint_of_gains(choices, asked.band_count, asked.least_steps)
 
     def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
         """Give ``obj`` its bands."""
@@ -144,7 +130,38 @@ All other formats hold the filtered shape."""
         with progress(task.label) as show:
             split = spectral_tv.decompose(surface.mesh, **arguments, progress=show)
         add_bands(obj, asked, surface, arguments, split)
-        set_values(obj, band_values(choices))
+        set_values(obj, band_values(choices, asked.band_count))
+
+
+def add_gains(parser: argparse.ArgumentParser) -> None:
+    """Declare the filter."""
+    add = parser.add_argument
+    add(
+        "--gain",
+        metavar="BAND=GAIN",
+        dest="gains",
+        type=_gain,
+        action="append",
+        default=[],
+        help="0 removes a band, 1 keeps it, 2 doubles it; bands count from 1, the finest, or "
+        "all. Repeatable, later ones win",
+    )
+    add(
+        "--curve",
+        metavar="X:Y,X:Y,…",
+        type=_curve,
+        help="gains as a curve: X from 0, the finest, to 1, the largest; Y the gain. --gain wins",
+    )
+
+
+def complaint_of_gains(choices: argparse.Namespace, bands: int, steps: int) -> str | None:
+    """What is wrong with so many bands, the least number of steps and the gains together."""
+    if bands >= steps:
+        return f"{bands} bands need more than {steps} steps"
+    for band, _ in choices.gains:
+        if band is not None and band > bands:
+            return f"there is no band {band} among {bands}"
+    return None
 
 
 def settings(choices: argparse.Namespace) -> Settings:
@@ -162,13 +179,13 @@ def settings(choices: argparse.Namespace) -> Settings:
         base="KEY" if is_key else base.upper(),
         base_amount=choices.base_amount or 0.0,
         base_key=base if is_key else "",
+        metric=(choices.metric or "surface").upper(),
         vertex_group=choices.vertex_group,
     )
 
 
-def band_values(choices: argparse.Namespace) -> list[float]:
-    """The value of every band's shape key."""
-    count = settings(choices).band_count
+def band_values(choices: argparse.Namespace, count: int) -> list[float]:
+    """The values of the shape keys of so many bands."""
     values = [0.0] * count
     if choices.curve is not None:
         positions, heights = zip(*choices.curve, strict=True)

@@ -87,7 +87,7 @@ the deformed shape, with --frames that of the current frame."""
             "of --move go their way from the first to the last",
         )
 
-    def complaint(self, choices: argparse.Namespace) -> str | None:
+    def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
         """What is wrong with them together."""
         if choices.pins and not choices.moves:
             return "--pin alone moves nothing; add --move"

@@ -23,13 +23,48 @@ class Task:
     label: str
 
 
-class Verb:
-    """A verb of the command line: says what it takes, and what it does to one object."""
+class Command:
+    """A verb of the command line: says what it takes, and what it does to one file."""
 
     name: str
     summary: str
     description: str
     examples: str
+
+    def add_parser(self, commands: argparse._SubParsersAction) -> None:
+        """Add the verb to the command line."""
+        raise NotImplementedError
+
+    def complaint(self, choices: argparse.Namespace) -> str | None:
+        """What is wrong with the arguments together; None if nothing is."""
+        raise NotImplementedError
+
+    def _treat_file(self, choices: argparse.Namespace, source: Path) -> None:
+        """Do it; raises Refusal, spectral_tv.MeshError or what Blender does."""
+        raise NotImplementedError
+
+    def _run(self, choices: argparse.Namespace) -> int:
+        """Treat every input, those that fail too, and return the exit code."""
+        reason = self.complaint(choices)
+        if reason is not None:
+            choices.parser.error(reason)
+        results = [self._try(choices, source) for source in choices.inputs]
+        if len(results) > 1:
+            say(f"{sum(results)} of {len(results)} inputs succeeded")
+        return 0 if all(results) else FAILED
+
+    def _try(self, choices: argparse.Namespace, source: Path) -> bool:
+        try:
+            self._treat_file(choices, source)
+        except (Refusal, spectral_tv.MeshError, RuntimeError, ValueError, OSError) as error:
+            say(f"{source}: error: {_reason(error)}")
+            return False
+        return True
+
+
+class Verb(Command):
+    """One about meshes: says what it takes, and what it does to one object."""
+
     # What objects are called that were treated.
     result: str
 
@@ -37,9 +72,13 @@ class Verb:
         """Declare what it takes besides what all verbs do."""
         raise NotImplementedError
 
-    def complaint(self, choices: argparse.Namespace) -> str | None:
+    def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
         """What is wrong with these arguments together; None if nothing is."""
         raise NotImplementedError
+
+    def complaint(self, choices: argparse.Namespace) -> str | None:
+        """What is wrong with the arguments together; None if nothing is."""
+        return complaint(choices) or self.complaint_of_own(choices)
 
     def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
         """Do it; raises Refusal or spectral_tv.MeshError, whose messages need not name ``obj``."""
@@ -65,24 +104,6 @@ class Verb:
         add_arguments(parser, self.name, self.result)
         self.add_arguments(parser)
         parser.set_defaults(run=self._run, parser=parser)
-
-    def _run(self, choices: argparse.Namespace) -> int:
-        """Treat every input, those that fail too, and return the exit code."""
-        reason = complaint(choices) or self.complaint(choices)
-        if reason is not None:
-            choices.parser.error(reason)
-        results = [self._try(choices, source) for source in choices.inputs]
-        if len(results) > 1:
-            say(f"{sum(results)} of {len(results)} inputs succeeded")
-        return 0 if all(results) else FAILED
-
-    def _try(self, choices: argparse.Namespace, source: Path) -> bool:
-        try:
-            self._treat_file(choices, source)
-        except (Refusal, spectral_tv.MeshError, RuntimeError, ValueError, OSError) as error:
-            say(f"{source}: error: {_reason(error)}")
-            return False
-        return True
 
     def _treat_file(self, choices: argparse.Namespace, source: Path) -> None:
         files.load(source.absolute())

@@ -13,6 +13,7 @@ from . import (
     deform,
     eigenset,
     filter,
+    image,
     live,
     mix,
     values,
@@ -32,6 +33,7 @@ _FILES = (
     attributes,
     eigenset,
     values,
+    image,
 )
 
 register, unregister = bpy.utils.register_classes_factory(

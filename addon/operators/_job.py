@@ -21,7 +21,7 @@ class JobOperator:
     working: str
 
     def prepare(self, obj: bpy.types.Object) -> Any:
-        """Read what the work needs; raises Refusal or spectral_tv.MeshError."""
+        """Read of the subject what the work needs; raises Refusal or spectral_tv.MeshError."""
         raise NotImplementedError
 
     def recall(self, _prepared: Any) -> Any:
@@ -41,6 +41,37 @@ class JobOperator:
         raise NotImplementedError
 
     @classmethod
+    def subject(cls, context: bpy.types.Context) -> bpy.types.ID | None:
+        """What is worked on where nothing else is named."""
+        return context.active_object
+
+    def chosen(self, context: bpy.types.Context) -> bpy.types.ID:
+        """What is worked on; raises Refusal if it cannot be."""
+        return self.subject(context)
+
+    @staticmethod
+    def find(name: str) -> bpy.types.ID | None:
+        """The subject of this name, fetched again."""
+        return bpy.data.objects.get(name)
+
+    @staticmethod
+    def unusable(subject: bpy.types.ID | None) -> str | None:
+        """Why a subject cannot be worked on, in a sentence for the user; None if it can."""
+        return refusal(subject)
+
+    @staticmethod
+    def state(subject: bpy.types.ID) -> str:
+        """Digest of all that a result depends on."""
+        return jobs.state_of(subject)
+
+    @staticmethod
+    def shared(obj: bpy.types.ID) -> str:
+        """Whom else the result concerns, to be added to what was done."""
+        if obj.data.users < 2:
+            return ""
+        return f"; {obj.data.users} objects share this mesh and its shape keys"
+
+    @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         reason = cls.refusal(context)
         if reason is None and jobs.running() is not None:
@@ -52,20 +83,21 @@ class JobOperator:
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
         """Why the operator cannot run now, in a sentence for the user."""
-        return refusal(context.active_object)
+        return cls.unusable(cls.subject(context))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Run to completion: in scripts, in the background, and on Adjust Last Operation."""
         self._started = time.perf_counter()
-        obj = context.active_object
+        obj = None
         try:
+            obj = self.chosen(context)
             prepared = self.prepare(obj)
             result = self.recall(prepared)
             if result is None:
                 with cursor_progress(context) as progress:
                     result = self.work(prepared, progress)
         except (spectral_tv.MeshError, Refusal) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
+            self.report({"ERROR"}, f"{obj.name}: {error}" if obj is not None else str(error))
             return {"CANCELLED"}
         return self._finish(obj, prepared, result)
 
@@ -74,15 +106,17 @@ class JobOperator:
         if bpy.app.background:
             return self.execute(context)
         self._started = time.perf_counter()
-        obj = context.active_object
+        obj = None
         try:
+            obj = self.chosen(context)
             prepared = self.prepare(obj)
             result = self.recall(prepared)
             if result is not None:
                 return self._finish(obj, prepared, result)
-            jobs.start(self.start(prepared), obj, f"{self.working} {obj.name}")
+            message = f"{self.working} {obj.name}"
+            jobs.start(self.start(prepared), obj.name, self.state(obj), message)
         except (spectral_tv.MeshError, Refusal) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
+            self.report({"ERROR"}, f"{obj.name}: {error}" if obj is not None else str(error))
             return {"CANCELLED"}
         self._prepared = prepared
         manager = context.window_manager
@@ -123,10 +157,10 @@ class JobOperator:
     def _collect(self, context: bpy.types.Context, running: jobs.Running) -> set[str]:
         """Write the result of a finished job, if its object is still what it was."""
         self.cancel(context)
-        obj = bpy.data.objects.get(running.object_name)
-        if refusal(obj) is not None or jobs.state_of(obj) != running.state:
+        obj = self.find(running.name)
+        if self.unusable(obj) is not None or self.state(obj) != running.state:
             message = "changed in the meantime; nothing was written"
-            self.report({"WARNING"}, f"{running.object_name}: {message}")
+            self.report({"WARNING"}, f"{running.name}: {message}")
             return {"CANCELLED"}
         try:
             result = running.job.result()
@@ -142,9 +176,7 @@ class JobOperator:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
         message = f"{obj.name}: {done} in {time.perf_counter() - self._started:.1f} s"
-        if obj.data.users > 1:
-            message += f"; {obj.data.users} objects share this mesh and its shape keys"
-        self.report({"INFO"}, message)
+        self.report({"INFO"}, message + self.shared(obj))
         return {"FINISHED"}
 
 

@@ -18,10 +18,10 @@ def cursor_progress(context: bpy.types.Context) -> Iterator[Callable[[float], No
 
 
 def redraw_sidebars(context: bpy.types.Context) -> None:
-    """Have every 3D view's sidebar drawn anew."""
+    """Have the sidebars drawn anew that show progress."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type == "VIEW_3D":
+            if area.type in ("VIEW_3D", "IMAGE_EDITOR"):
                 for region in area.regions:
                     if region.type == "UI":
                         region.tag_redraw()

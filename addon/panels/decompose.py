@@ -94,6 +94,8 @@ class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
                 say(layout, context, "The mesh has no shape keys", "INFO")
             else:
                 layout.prop_search(settings, "base_key", obj.data.shape_keys, "key_blocks")
+        if settings.method == "M3":
+            layout.prop(settings, "metric")
 
 
 CLASSES = (SPECTRAL_TV_PT_decompose, SPECTRAL_TV_PT_scales, SPECTRAL_TV_PT_base)
