@@ -26,6 +26,16 @@ def preset_values(preset: str, count: int, first: int, last: int, amount: float)
     return [rules[preset](band) for band in range(1, count + 1)]
 
 
+def caricature_values(count: int, first: int, last: int, amount: float, smooth: int) -> list[float]:
+    """Values that amplify the chosen bands and remove the ``smooth`` finest of the others."""
+    values = preset_values("EXAGGERATE", count, first, last, amount)
+    first, last = sorted((min(first, count), min(last, count)))
+    for band in range(1, min(smooth, count) + 1):
+        if not first <= band <= last:
+            values[band - 1] = -1.0
+    return values
+
+
 def curve_values(curve: Callable[[float], float], count: int) -> list[float]:
     """Values of ``count`` bands from a filter H over [0, 1], finest to largest."""
     return [curve((band + 0.5) / count) - 1.0 for band in range(count)]

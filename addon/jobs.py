@@ -12,7 +12,10 @@ from .surface import basis_coordinates
 
 
 class Chain:
-    """Jobs one after the other, and a last one of all their results; polled like one job."""
+    """Jobs one after the other, and a last one of all their results; polled like one job.
+
+    Without a last one the results themselves are the result.
+    """
 
     # Of the whole, what the last one takes.
     LAST = 0.05
@@ -20,7 +23,7 @@ class Chain:
     def __init__(
         self,
         starts: list[Callable[[], spectral_tv.Job]],
-        last: Callable[[list[Any]], spectral_tv.Job],
+        last: Callable[[list[Any]], spectral_tv.Job] | None = None,
     ) -> None:
         """Start the first of ``starts``."""
         self._starts = starts
@@ -35,14 +38,17 @@ class Chain:
         if self._is_last:
             return 1 - self.LAST * (1 - self._job.progress)
         before = len(self._results)
-        return (1 - self.LAST) * (before + self._job.progress) / len(self._starts)
+        if before == len(self._starts):
+            return 1.0
+        share = 1.0 if self._last is None else 1 - self.LAST
+        return share * (before + self._job.progress) / len(self._starts)
 
     @property
     def done(self) -> bool:
         """Whether all have ended, or one has failed; starts the next one."""
         if not self._job.done:
             return False
-        if self._is_last:
+        if self._is_last or len(self._results) == len(self._starts):
             return True
         try:
             self._results.append(self._job.result())
@@ -50,6 +56,8 @@ class Chain:
             return True  # whoever asks for the result learns why
         if len(self._results) < len(self._starts):
             self._job = self._starts[len(self._results)]()
+        elif self._last is None:
+            return True
         else:
             self._job = self._last(self._results)
             self._is_last = True
@@ -61,7 +69,9 @@ class Chain:
         self._job.cancel()
 
     def result(self) -> Any:
-        """Return the last one's result; raises what the one that failed raised."""
+        """Return the last one's result, or all; raises what the one that failed raised."""
+        if self._last is None and len(self._results) == len(self._starts):
+            return self._results
         return self._job.result()
 
 

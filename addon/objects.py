@@ -31,3 +31,27 @@ def refusal(obj: bpy.types.Object | None, edit_mode: bool = False) -> str | None
     if keys is not None and not keys.use_relative:
         return "The mesh has absolute shape keys; relative ones are needed"
     return None
+
+
+def selected_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The active object and the other selected meshes."""
+    others = [
+        obj
+        for obj in context.selected_objects
+        if obj.type == "MESH" and obj != context.active_object
+    ]
+    return [context.active_object, *others]
+
+
+def distinct_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The same, but one of those that share a mesh.
+
+    Raises Refusal if one of them cannot be worked on.
+    """
+    found: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    for obj in selected_meshes(context):
+        reason = refusal(obj)
+        if reason is not None:
+            raise Refusal(f"{obj.name}: {reason}")
+        found.setdefault(obj.data, obj)
+    return list(found.values())

@@ -13,7 +13,7 @@ from bpy.props import (
 )
 
 from .segments import OUTPUTS
-from .settings import BASES, METHOD_ITEMS, METRICS, STEPLESS, Settings
+from .settings import BASES, METHOD_ITEMS, METHODS, METRICS, STEPLESS, Settings
 
 
 def copy_choices(
@@ -202,13 +202,60 @@ class SpectralTVSegmentation(SegmentationProperties, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
 
 
+class CaricatureProperties:
+    """What the user chooses of a caricature."""
+
+    method: EnumProperty(
+        name="Method", description="What the bands split off", items=METHODS, default="M3"
+    )
+    bands: IntProperty(name="Bands", description="Number of bands", default=5, min=2, max=32)
+    steps: IntProperty(
+        name="Steps",
+        description="Number of time steps of the flow. More steps separate scales more sharply "
+        "and take longer",
+        default=32,
+        min=3,
+        soft_max=128,
+        max=1000,
+    )
+    first: IntProperty(
+        name="From", description="First exaggerated band; 1 is the finest", default=4, min=1
+    )
+    last: IntProperty(
+        name="To", description="Last exaggerated band; 1 is the finest", default=5, min=1
+    )
+    amount: FloatProperty(
+        name="Exaggerate by",
+        description="How much is added to these bands: 1 doubles them",
+        default=1,
+        soft_min=-1,
+        soft_max=4,
+    )
+    smooth: IntProperty(
+        name="Smooth",
+        description="So many of the finest bands are removed; 0 keeps the skin",
+        default=1,
+        min=0,
+    )
+
+
+class SpectralTVCaricature(CaricatureProperties, bpy.types.PropertyGroup):
+    """The choices in the sidebar, kept with the scene."""
+
+
 class SpectralTVWindowManager(bpy.types.PropertyGroup):
     """What the running job shows."""
 
     progress: FloatProperty(name="Progress", min=0, max=1, subtype="FACTOR")
 
 
-CLASSES = (SpectralTVScene, SpectralTVFilter, SpectralTVSegmentation, SpectralTVWindowManager)
+CLASSES = (
+    SpectralTVScene,
+    SpectralTVFilter,
+    SpectralTVSegmentation,
+    SpectralTVCaricature,
+    SpectralTVWindowManager,
+)
 
 
 def register() -> None:
@@ -218,12 +265,14 @@ def register() -> None:
     bpy.types.Scene.spectral_tv = PointerProperty(type=SpectralTVScene)
     bpy.types.Scene.spectral_tv_filter = PointerProperty(type=SpectralTVFilter)
     bpy.types.Scene.spectral_tv_segmentation = PointerProperty(type=SpectralTVSegmentation)
+    bpy.types.Scene.spectral_tv_caricature = PointerProperty(type=SpectralTVCaricature)
     bpy.types.WindowManager.spectral_tv = PointerProperty(type=SpectralTVWindowManager)
 
 
 def unregister() -> None:
     """Unregister them; files keep what they hold."""
     del bpy.types.WindowManager.spectral_tv
+    del bpy.types.Scene.spectral_tv_caricature
     del bpy.types.Scene.spectral_tv_segmentation
     del bpy.types.Scene.spectral_tv_filter
     del bpy.types.Scene.spectral_tv

@@ -7,7 +7,7 @@ import numpy as np
 import spectral_tv
 
 from .. import jobs, segments
-from ..objects import Refusal, refusal
+from ..objects import Refusal, distinct_meshes, refusal
 from ..properties import SegmentationProperties
 from ..surface import Surface
 from ._job import JobOperator
@@ -30,15 +30,10 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
     def prepare(self, _obj: bpy.types.Object) -> Prepared:
         if not self.outputs:
             raise Refusal("choose what to write")
-        prepared, meshes = [], set()
-        for obj in chosen(bpy.context):
-            reason = refusal(obj)
-            if reason is not None:
-                raise Refusal(f"{obj.name}: {reason}")
-            if obj.data not in meshes:  # objects may share a mesh
-                meshes.add(obj.data)
-                prepared.append((obj.name, Surface.read(obj), jobs.state_of(obj)))
-        return prepared
+        return [
+            (obj.name, Surface.read(obj), jobs.state_of(obj))
+            for obj in distinct_meshes(bpy.context)
+        ]
 
     def work(self, prepared: Prepared, progress: Callable[[float], None]) -> Labels:
         share = 0.95 / len(prepared)
@@ -75,16 +70,6 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
         if skipped:
             text += f"; changed in the meantime and left as they are: {', '.join(skipped)}"
         return text
-
-
-def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The active object and the other selected meshes."""
-    others = [
-        obj
-        for obj in context.selected_objects
-        if obj.type == "MESH" and obj != context.active_object
-    ]
-    return [context.active_object, *others]
 
 
 CLASSES = (SPECTRAL_TV_OT_cosegment,)

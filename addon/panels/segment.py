@@ -3,8 +3,8 @@
 import bpy
 
 from .. import jobs
-from ..objects import is_mesh, refusal
-from ..operators.cosegment import SPECTRAL_TV_OT_cosegment, chosen
+from ..objects import is_mesh, refusal, selected_meshes
+from ..operators.cosegment import SPECTRAL_TV_OT_cosegment
 from ..properties import SegmentationProperties, copy_choices
 from ._sidebar import Sidebar, draw_progress, say
 
@@ -32,7 +32,7 @@ class SPECTRAL_TV_PT_segment(Sidebar, bpy.types.Panel):
             draw_progress(layout, context)
             return
         reason = refusal(context.active_object)
-        count = len(chosen(context))
+        count = len(selected_meshes(context))
         if reason is not None:
             say(layout, context, reason, "INFO")
         elif count > 1:

@@ -17,6 +17,7 @@ __all__ = [
     "MeshError",
     "__version__",
     "accuracy",
+    "caricature",
     "conformal_flow",
     "cosegment",
     "decompose",
@@ -28,6 +29,7 @@ __all__ = [
     "flow",
     "graded_times",
     "start_accuracy",
+    "start_caricature",
     "start_cosegment",
     "start_decompose",
     "start_decompose_image",
@@ -277,6 +279,23 @@ def start_accuracy(
 def eigenpairs(
     mesh: Mesh, count: int, progress: _Progress | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def caricature(
+    meshes: Sequence[Mesh],
+    band: tuple[float, float],
+    gain: float = 2.0,
+    smooth: float = 0.0,
+    method: _Method = "m3",
+    steps: int = 32,
+    progress: _Progress | None = None,
+) -> list[NDArray[np.float64]]: ...
+def start_caricature(
+    meshes: Sequence[Mesh],
+    band: tuple[float, float],
+    gain: float = 2.0,
+    smooth: float = 0.0,
+    method: _Method = "m3",
+    steps: int = 32,
+) -> Job: ...
 def cosegment(
     decompositions: Sequence[Decomposition],
     segments: int = 6,

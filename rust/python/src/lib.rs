@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod arrays;
+mod caricature;
 mod decomposition;
 mod deformation;
 mod deformer;
@@ -35,6 +36,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<job::Job>()?;
     module.add_function(wrap_pyfunction!(accuracy::accuracy, module)?)?;
     module.add_function(wrap_pyfunction!(accuracy::start_accuracy, module)?)?;
+    module.add_function(wrap_pyfunction!(caricature::caricature, module)?)?;
+    module.add_function(wrap_pyfunction!(caricature::start_caricature, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::start_decompose, module)?)?;
     module.add_function(wrap_pyfunction!(deformation::deform, module)?)?;

@@ -27,7 +27,25 @@ pub struct Request<'a, 'py> {
     pub metric: &'a str,
 }
 
-impl Request<'_, '_> {
+impl<'a> Request<'a, '_> {
+    /// A method with all else by default.
+    pub fn plain(method: &'a str, steps: usize) -> Self {
+        Self {
+            method,
+            times: None,
+            steps,
+            accuracy: None,
+            scheme: "extrapolated",
+            tolerance: 1e-3,
+            solver: "auto",
+            p: 3,
+            base: None,
+            base_time: None,
+            eigenpairs: 300,
+            metric: "surface",
+        }
+    }
+
     /// What the mathematics makes of it.
     pub fn settings(&self) -> Result<Settings, Failure> {
         Ok(Settings {
@@ -124,18 +142,8 @@ impl Request<'_, '_> {
 #[pyo3(signature = (method, eigenpairs = 300))]
 pub fn default_scales(method: &str, eigenpairs: usize) -> Result<(f64, f64), Failure> {
     let request = Request {
-        method,
-        times: None,
-        steps: 1,
-        accuracy: None,
-        scheme: "extrapolated",
-        tolerance: 1e-3,
-        solver: "auto",
-        p: 3,
-        base: None,
-        base_time: None,
         eigenpairs,
-        metric: "surface",
+        ..Request::plain(method, 1)
     };
     Ok(relative_scales(&request.method()?))
 }

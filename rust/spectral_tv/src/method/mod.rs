@@ -7,6 +7,7 @@
 mod accuracy;
 mod adaptive_steps;
 mod band_errors;
+mod caricature;
 mod decompose;
 mod decomposition;
 mod directional;
@@ -15,6 +16,7 @@ mod representation;
 mod schedule;
 
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
+pub use caricature::{Exaggeration, caricature};
 pub use decompose::{Scheme, Settings, Steps, decompose, run_flow};
 pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement, Metric};

@@ -1,0 +1,51 @@
+"""The panel that exaggerates the selected meshes alike."""
+
+import bpy
+
+from .. import jobs
+from ..objects import is_mesh, refusal, selected_meshes
+from ..operators.caricature import SPECTRAL_TV_OT_caricature
+from ..properties import CaricatureProperties, copy_choices
+from ._sidebar import Sidebar, draw_progress, say
+
+
+class SPECTRAL_TV_PT_caricature(Sidebar, bpy.types.Panel):
+    """One exaggeration for many poses"""
+
+    bl_label = "Caricature"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_mesh(context.active_object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.spectral_tv_caricature
+        column = layout.column()
+        for name in ("method", "bands", "steps"):
+            column.prop(settings, name)
+        column = layout.column(align=True)
+        column.prop(settings, "first")
+        column.prop(settings, "last")
+        column = layout.column()
+        column.prop(settings, "amount")
+        column.prop(settings, "smooth")
+        if jobs.running() is not None:
+            draw_progress(layout, context)
+            return
+        reason = refusal(context.active_object)
+        count = len(selected_meshes(context))
+        if reason is not None:
+            say(layout, context, reason, "INFO")
+        elif count > 1:
+            say(layout, context, f"{count} meshes get the same filter", "INFO")
+        row = layout.row()
+        row.scale_y = 1.4
+        operator = row.operator(SPECTRAL_TV_OT_caricature.bl_idname, icon="OUTLINER_OB_ARMATURE")
+        copy_choices(CaricatureProperties, settings, operator)
+
+
+CLASSES = (SPECTRAL_TV_PT_caricature,)

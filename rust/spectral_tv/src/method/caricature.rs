@@ -1,0 +1,80 @@
+//! One band-pass exaggeration for many poses (Brokman et al. 2024, Sec. 7.5 and appendix A).
+
+use ndarray::Array2;
+
+use crate::error::{Error, Result};
+use crate::mesh::TriangleMesh;
+use crate::method::{Settings, decompose};
+use crate::monitor::Stage;
+
+/// The filter: H = 0 below `smooth`, `gain` from `from` to `to`, 1 elsewhere. Times are relative to
+/// the area of each shape, so that the filter means the same on every pose and size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exaggeration {
+    /// What is finer is removed; 0 keeps all.
+    pub smooth: f64,
+    /// Start of the band, t/area.
+    pub from: f64,
+    /// End of the band, t/area.
+    pub to: f64,
+    /// What the band is multiplied by.
+    pub gain: f64,
+}
+
+impl Exaggeration {
+    /// H at a time, for a shape of this area.
+    pub fn at(&self, time: f64, area: f64) -> f64 {
+        let relative = time / area;
+        if self.from <= relative && relative < self.to {
+            self.gain
+        } else if relative < self.smooth {
+            0.0
+        } else {
+            1.0
+        }
+    }
+
+    fn check(&self) -> Result<()> {
+        if !(0.0 <= self.from && self.from < self.to && self.to.is_finite()) {
+            return Err(Error::Argument(format!(
+                "band must be two increasing numbers of 0 or more, not {} and {}",
+                self.from, self.to
+            )));
+        }
+        if !(self.smooth >= 0.0 && self.smooth.is_finite()) {
+            return Err(Error::Argument(format!(
+                "smooth must be 0 or more and finite, not {}",
+                self.smooth
+            )));
+        }
+        match self.gain.is_finite() {
+            true => Ok(()),
+            false => Err(Error::Argument(format!(
+                "gain must be finite, not {}",
+                self.gain
+            ))),
+        }
+    }
+}
+
+/// The shapes (3, V) of `meshes`, each decomposed by itself and filtered alike.
+///
+/// # Errors
+/// If the filter makes no sense, or as [`decompose`].
+pub fn caricature(
+    meshes: &[&TriangleMesh],
+    settings: &Settings,
+    filter: &Exaggeration,
+    stage: Stage,
+) -> Result<Vec<Array2<f64>>> {
+    filter.check()?;
+    let share = 1.0 / meshes.len().max(1) as f64;
+    let treat = |(index, mesh): (usize, &&TriangleMesh)| {
+        let stage = stage.stage(share * index as f64, share * (index + 1) as f64);
+        let split = decompose(mesh, settings, stage)?;
+        let times = split.component_times().iter();
+        let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();
+        split.filter(&gains)
+    };
+    meshes.iter().enumerate().map(treat).collect()
+}
