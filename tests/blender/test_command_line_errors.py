@@ -89,6 +89,7 @@ def test_what_cannot_be_decomposed_names_object_and_reason(monkey, tmp_path: Pat
         (["decompose", "IN", "-o", "x.ply", "--curve", "0:1,0:2"], "have to increase"),
         (["decompose", "IN", "-o", "x.ply", "--finest", "9", "--largest", "5"], "--largest"),
         (["decompose", "IN", "-o", "x.ply", "--base", "flat"], "go with --method m3"),
+        (["decompose", "IN", "-o", "x.ply", "--metric", "base"], "goes with --method m3"),
         (["decompose", "IN", "-o", "x.ply", *FLAT, "--base-amount", "9"], "the smoothed base"),
         (["decompose", "IN", "-o", "x.doc"], "writes no .doc"),
         (["decompose", "IN", "-o", "nowhere/x.ply"], "no folder nowhere"),

@@ -1,0 +1,72 @@
+"""A grid mesh as an image: M3 on a flat base, measured along the base or along the surface."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+import spectral_tv
+from command_line_files import load, run
+from shapes import grid
+
+SIDE = 25
+CHOICES = {"bands": 3, "steps": 12, "use_scales": True, "finest": 1, "largest": 15}
+
+
+@pytest.fixture
+def relief():
+    """A grid with a square block on it."""
+    vertices, triangles = grid(SIDE, SIDE, 2.0, 2.0)
+    block = np.abs(vertices[:, :2] - 1).max(axis=1) < 0.4
+    vertices[block, 2] = 0.3
+    mesh = bpy.data.meshes.new("Relief")
+    mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
+    obj = bpy.data.objects.new("Relief", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def bands(obj: bpy.types.Object) -> np.ndarray:
+    """Displacements (3, V, 3)."""
+    keys = obj.data.shape_keys.key_blocks
+    shapes = [np.array([point.co for point in key.data]) for key in keys]
+    return np.stack(shapes[1:4]) - shapes[0]
+
+
+@pytest.mark.parametrize("metric", ["SURFACE", "BASE"])
+def test_bands_move_vertices_up_and_down_only(relief, metric):
+    bpy.ops.spectral_tv.decompose(method="M3", base="FLAT", metric=metric, **CHOICES)
+    found = bands(relief)
+    np.testing.assert_allclose(found[..., :2], 0, atol=1e-6)
+    assert np.abs(found[..., 2]).max() > 0.01
+    vertices = np.array([vertex.co for vertex in relief.data.vertices]).astype(float)
+    triangles = np.array([list(polygon.vertices) for polygon in relief.data.polygons])
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    times = spectral_tv.graded_times(0.01**2 * mesh.area, 0.15**2 * mesh.area, 12)
+    base = vertices * [1, 1, 0]
+    split = spectral_tv.decompose(mesh, "m3", times, base=base, metric=metric.lower())
+    np.testing.assert_allclose(found, split.bands(split.band_edges(3)), atol=1e-4)
+
+
+def test_the_metrics_differ_where_it_is_steep(relief):
+    found = {}
+    for metric in ("SURFACE", "BASE"):
+        relief.shape_key_clear()
+        bpy.ops.spectral_tv.decompose(method="M3", base="FLAT", metric=metric, **CHOICES)
+        found[metric] = bands(relief)[..., 2].sum(axis=0)
+    assert np.abs(found["SURFACE"] - found["BASE"]).max() > 0.01
+
+
+def test_the_command_line_takes_the_metric(relief, tmp_path):
+    source, target = tmp_path / "relief.blend", tmp_path / "flat.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source))
+    options = "--method m3 --base flat --metric base --bands 3 --steps 12 --finest 1 --largest 15"
+    assert run(["decompose", str(source), "-o", str(target), *options.split()]) == 0
+    load(target)
+    by_line = bands(bpy.data.objects["Relief"])
+    load(source)
+    obj = bpy.data.objects["Relief"]
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.spectral_tv.decompose(method="M3", base="FLAT", metric="BASE", **CHOICES)
+    np.testing.assert_allclose(by_line, bands(obj), atol=1e-4)
