@@ -17,6 +17,8 @@ PICTURES = {
     "panel_filters": ("4_bands", 668, 858),
     "panel_curve": ("panel_curve", 919, 1233),
     "panel_deform": ("panel_deform", 341, 696),
+    "panel_attributes": ("panel_attributes", 752, 1046),
+    "panel_values": ("panel_values", 990, 1229),
 }
 
 

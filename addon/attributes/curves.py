@@ -24,6 +24,8 @@ WIDTH, HEIGHT_OF_PICTURE, PIXEL = 960, 600, 3
 LEFT, BOTTOM, MARGIN = 150, 50, 24
 GROUND, GRID, INK = (0.16, 0.16, 0.16, 1), (0.25, 0.25, 0.25, 1), (0.75, 0.75, 0.75, 1)
 GRID_LINES = 4
+# So much smaller is the picture in the sidebar.
+REDUCTION = 4
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ def table(prepared: Prepared, parts: dict[str, np.ndarray], flow: spectral_tv.Fl
     return Table(names, flow.times, np.column_stack(columns))
 
 
-def picture(table: Table) -> np.ndarray:
+def picture(table: Table, thickness: int = 3) -> np.ndarray:
     """The curves as RGBA from the bottom up, with a legend and the ends of both axes."""
     image = np.empty((HEIGHT_OF_PICTURE, WIDTH, 4), dtype=np.float32)
     image[:] = GROUND
@@ -104,7 +106,8 @@ def picture(table: Table) -> np.ndarray:
         share = (np.interp(across, table.times, column) - low) / max(high - low, 1e-300)
         heights = np.rint(BOTTOM + share * (top - 1 - BOTTOM)).astype(int)
         for x, (one, two) in enumerate(pairwise(heights), start=LEFT):
-            image[min(one, two) - 1 : max(one, two) + 2, x : x + 2] = ink
+            low_end, high_end = min(one, two) - thickness // 2, max(one, two) + thickness // 2 + 1
+            image[max(low_end, 0) : high_end, x : x + 2] = ink
         label = mask(table.names[number][:32], PIXEL)
         y = top - (number + 1) * 2 * HEIGHT * PIXEL
         if y > BOTTOM:
@@ -122,13 +125,20 @@ def write(obj: bpy.types.Object, name: str, table: Table) -> None:
     if kept.picture is None:
         kept.picture = bpy.data.images.new(name, WIDTH, HEIGHT_OF_PICTURE, alpha=False)
     kept.picture.name = name
-    pixels = picture(table).ravel()
-    kept.picture.pixels.foreach_set(pixels)
+    kept.picture.pixels.foreach_set(picture(table).ravel())
     kept.picture.update()
     kept.picture.pack()
     preview = kept.picture.preview_ensure()
-    preview.image_size = WIDTH, HEIGHT_OF_PICTURE
-    preview.image_pixels_float = pixels
+    small = _reduced(picture(table, 3 * REDUCTION))
+    preview.image_size = small.shape[1::-1]
+    preview.image_pixels_float = small.ravel()
+
+
+def _reduced(image: np.ndarray) -> np.ndarray:
+    """Means of blocks: Blender picks single pixels of what it shows smaller, and loses lines."""
+    height, width, channels = image.shape
+    blocks = image.reshape(height // REDUCTION, REDUCTION, width // REDUCTION, REDUCTION, channels)
+    return blocks.mean(axis=(1, 3))
 
 
 def _ink(image: np.ndarray, label: np.ndarray, y: int, x: int, ink: tuple[float, ...]) -> None:

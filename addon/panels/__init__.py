@@ -4,7 +4,7 @@ import bpy
 
 from . import attributes, bands, caricature, decompose, deform, image, segment
 
-_FILES = (decompose, bands, caricature, deform, segment, attributes, image)
+_FILES = (decompose, bands, deform, caricature, segment, attributes, image)
 
 register, unregister = bpy.utils.register_classes_factory(
     [cls for file in _FILES for cls in file.CLASSES]

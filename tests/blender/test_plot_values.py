@@ -68,6 +68,17 @@ def test_the_picture_shows_every_curve(sphere):
     assert np.ptp(heights[0]) > 0.8 * len(plot_area) and np.ptp(heights[1]) < 10
 
 
+def test_the_small_picture_of_the_sidebar_has_colored_curves(sphere):
+    """As wide as they have to be, so that they do not turn grey in it."""
+    plot(kind="GROUP", source="Cap", size=80, steps=20)
+    preview = sphere.data.spectral_tv.picture.preview
+    width, height = preview.image_size
+    assert width < 300
+    pixels = np.array(preview.image_pixels_float).reshape(height, width, 4)[..., :3]
+    shown = np.ptp(pixels[15:-8, 45 : width // 2], axis=2) > 0.3
+    assert (shown.sum(axis=0) >= 4).all()  # two curves, of two pixels or more
+
+
 def test_vertices_and_channels_have_columns(sphere, tmp_path):
     wind = sphere.data.attributes.new("Wind", "FLOAT_VECTOR", "POINT")
     wind.data.foreach_set("vector", VERTICES.astype(np.float32).ravel())

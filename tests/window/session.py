@@ -10,6 +10,7 @@ import bpy
 sys.path.insert(0, str(Path(__file__).parent))
 
 from deform import deform
+from others import others
 from pictures import messages, new_monkey, panels
 from screen import (
     PICTURES,
@@ -43,6 +44,7 @@ def session() -> Steps[None]:
     yield from undo_and_redo()
     yield from panels()
     yield from deform()
+    yield from others()
     yield from messages()
     yield from quit_while_it_runs()
 

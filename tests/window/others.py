@@ -1,0 +1,70 @@
+"""The panels below Deform: opened by their headers, used by their buttons, pictured."""
+
+from __future__ import annotations
+
+import bpy
+from pictures import NEXT_HEADER, away
+from screen import Steps, click, find, picture, until
+
+# From one header of a closed panel to the next.
+HEADER = 28
+
+
+def others() -> Steps[None]:
+    """With the dumbbell and its vertex groups active, and Deform open."""
+    obj = bpy.context.object
+    x, y = yield from find("spectral_tv.deform(", column=0.3)
+    below = y - NEXT_HEADER - HEADER
+    yield from attributes(obj, x, below - 2 * HEADER)
+    yield from segment(obj, x, below - HEADER)
+    yield from caricature(obj, x, below)
+
+
+def attributes(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
+    settings = bpy.context.scene.spectral_tv_attributes
+    settings.kind, settings.source, settings.group = "GROUP", "Head", "Head"
+    settings.groups, settings.size = "Head, Feet", 60
+    yield from click(x, header)
+    yield from away()
+    yield from picture("panel_attributes")
+    _, y = yield from find("spectral_tv.flow_attribute(")
+    yield from click(x, y - NEXT_HEADER - HEADER)  # the lower one first, which moves nothing
+    yield from click(x, y - NEXT_HEADER)
+    yield from away()
+    yield from picture("panel_values")
+    yield from click(*(yield from find("spectral_tv.test_eigenset(")))
+    yield 2
+    yield from away()
+    yield from picture("eigenset_tested")
+    yield from click(*(yield from find("spectral_tv.flow_attribute(")))
+    yield from until(lambda: "Head Flow" in obj.vertex_groups, "the smoothed vertex group")
+    # Last, as the picture moves what is below it out of the window.
+    yield from click(*(yield from find("spectral_tv.plot_values(", column=0.3)))
+    yield from until(lambda: obj.data.spectral_tv.picture is not None, "the curves")
+    yield from away()
+    yield from picture("values_plotted")
+    yield from click(x, header)
+
+
+def segment(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
+    yield from click(x, header)
+    yield from away()
+    yield from picture("panel_segment")
+    yield from click(*(yield from find("spectral_tv.cosegment(")))
+    yield from until(lambda: len(obj.data.color_attributes) > 0, "the segments")
+    yield from away()
+    yield from picture("segmented")
+    yield from click(x, header)
+
+
+def caricature(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
+    yield from click(x, header)
+    yield from away()
+    yield from picture("panel_caricature")
+    yield from click(*(yield from find("spectral_tv.caricature(")))
+    keys = obj.data.shape_keys.key_blocks
+    yield from until(lambda: "M3 Band 1" in keys and keys["M3 Band 1"].value == -1, "the bands")
+    yield from away()
+    yield from picture("exaggerated")
+    yield from click(*(yield from find("spectral_tv.caricature(")))  # again: bands are recalled
+    yield from until(lambda: "M3 Band 1.001" in keys, "the bands anew")
