@@ -4,6 +4,8 @@ PYTHON ?= python3.11
 MESH ?=
 UP ?=
 AZIMUTH ?=
+FIGURES ?=
+MESHES ?=
 BENCH ?=
 
 VENV := .venv
@@ -15,7 +17,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures clean
+.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures gallery clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -62,6 +64,10 @@ pictures: $(EXTENSION_STAMP)
 	  docs/pictures/deformations.png
 	$(BIN)/python -m tools.demo.comparisons .build/pictures/creature.blend \
 	  docs/pictures/comparisons.png
+
+# Figures of the paper; FIGURES="clouds bands" makes some, MESHES=folder those of its meshes too.
+gallery: $(WHEEL_STAMP)
+	$(BIN)/python -m tools.gallery $(FIGURES) $(if $(MESHES),--meshes "$(MESHES)")
 
 clean:
 	rm -rf $(VENV) target dist demo .build

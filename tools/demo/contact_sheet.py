@@ -12,7 +12,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from .studio import Studio, temporary_data
 
-Cell = tuple[str, np.ndarray | None]
+# A label and what is shown: the positions of a version of a mesh, or a finished picture.
+Shown = np.ndarray | Image.Image
+Cell = tuple[str, Shown | None]
 Sheet = tuple[str, Sequence[Sequence[Cell]]]
 
 PAPER = (244, 244, 242)
@@ -50,7 +52,7 @@ class Layout:
         )
         self.labels: list[Label] = []
         self.rules: list[int] = []
-        self.shots: list[tuple[int, int, np.ndarray]] = []
+        self.shots: list[tuple[int, int, Shown]] = []
         top = 0
         for title, rows in sheets:
             top = self._place(title, rows, top)
@@ -61,12 +63,12 @@ class Layout:
         self.labels.append(Label(title, self.pad, top - 0.36 * self.heading, 0.078 * self.cell))
         self.rules.append(top - self.heading // 6)
         for row in rows:
-            for column, (text, vertices) in enumerate(row):
+            for column, (text, shown) in enumerate(row):
                 left = self.pad + column * self.cell
                 middle, baseline = left + self.cell / 2, top + self.cell + 0.6 * self.caption
                 self.labels.append(Label(text, middle, baseline, 0.058 * self.cell, centred=True))
-                if vertices is not None:
-                    self.shots.append((left, top, vertices))
+                if shown is not None:
+                    self.shots.append((left, top, shown))
             top += self.cell + self.caption
         return top
 
@@ -105,20 +107,31 @@ def render(
     progress : callable, optional
         Called after each cell with the share of cells done, in (0, 1].
     """
+    with temporary_data():
+        studio = Studio(obj, cell, margin=margin, azimuth=azimuth)
+        page = compose(sheets, cell, studio.shoot, progress)
+    page.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+
+
+def compose(
+    sheets: Sequence[Sheet],
+    cell: int,
+    shoot: Callable[[Shown], Image.Image],
+    progress: Callable[[float], None] | None = None,
+) -> Image.Image:
+    """Lay out headed sheets of labelled cells; ``shoot`` makes the picture of what one shows."""
     layout = Layout(sheets, cell)
     page = Image.new("RGB", (layout.width, layout.height), PAPER)
     pen = ImageDraw.Draw(page)
     for y in layout.rules:
         pen.line([(layout.pad, y), (layout.width - layout.pad - 1, y)], RULE)
-    with temporary_data():
-        studio = Studio(obj, cell, margin=margin, azimuth=azimuth)
-        for done, (left, top, vertices) in enumerate(layout.shots, start=1):
-            shot = studio.shoot(vertices)
-            page.paste(shot, (left, top), shot)
-            if progress is not None:
-                progress(done / len(layout.shots))
+    for done, (left, top, shown) in enumerate(layout.shots, start=1):
+        shot = shoot(shown).convert("RGBA")
+        page.paste(shot, (left, top), shot)
+        if progress is not None:
+            progress(done / len(layout.shots))
     page.paste(INK, mask=_typeset(layout))
-    page.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+    return page
 
 
 def _typeset(layout: Layout) -> Image.Image:

@@ -23,6 +23,9 @@ LIGHTS = {
 }
 AMBIENT = 0.24
 CLAY = (0.52, 0.43, 0.35)
+# Of painted surfaces, so much of the light is their own.
+GLOW = 0.6
+CLAY_NAME, PAINT = "Studio Clay", "Studio Paint"
 
 
 class Studio:
@@ -43,6 +46,8 @@ class Studio:
         Direction to look from, in degrees.
     samples : int
         Cycles samples per pixel.
+    smooth : bool
+        Whether faces are shaded smoothly.
     """
 
     def __init__(
@@ -54,6 +59,7 @@ class Studio:
         azimuth: float = 25.0,
         elevation: float = 12.0,
         samples: int = 24,
+        smooth: bool = True,
     ) -> None:
         """Set everything up but the position of the camera."""
         self._world = np.array(obj.matrix_world)
@@ -61,7 +67,10 @@ class Studio:
         self.scene = bpy.data.scenes.new("Studio")
         _set_up_output(self.scene, size, samples)
         self._mesh = _bare_copy(obj.data)
-        self._mesh.materials.append(_clay())
+        if not smooth:
+            self._mesh.shade_flat()
+        self._mesh.materials.append(None)
+        self._paint = self._mesh.color_attributes.new(PAINT, "FLOAT_COLOR", "POINT")
         self._add("Subject", self._mesh).matrix_world = obj.matrix_world
         self._add_lights()
         self._add_ambient()
@@ -74,7 +83,7 @@ class Studio:
         self.scene.camera = self._add("Camera", camera)
         self.scene.camera.rotation_euler = self._turn.to_euler()
 
-    def shoot(self, vertices: np.ndarray) -> Image.Image:
+    def shoot(self, vertices: np.ndarray, colors: np.ndarray | None = None) -> Image.Image:
         """Photograph the mesh with other vertex positions, centred in the picture.
 
         The scale is that of the mesh's own shape, or smaller where a shape would not fit.
@@ -83,6 +92,8 @@ class Studio:
         ----------
         vertices : (V, 3) array
             Positions in the object's own space.
+        colors : (V, 3) array, optional
+            Linear red, green and blue of the vertices; otherwise the mesh is clay.
 
         Returns
         -------
@@ -90,6 +101,10 @@ class Studio:
             RGBA, transparent around the mesh.
         """
         self._mesh.vertices.foreach_set("co", np.ravel(vertices).astype(np.float32))
+        self._mesh.materials[0] = _clay() if colors is None else _painted()
+        if colors is not None:
+            rgba = np.column_stack([colors, np.ones(len(colors))]).astype(np.float32)
+            self._paint.data.foreach_set("color", rgba.ravel())
         self._mesh.update()
         low, high = self._extent(vertices)
         self.scene.camera.data.ortho_scale = max(self._scale, 1.02 * (high - low)[:2].max())
@@ -213,16 +228,39 @@ def _bare_copy(mesh: bpy.types.Mesh) -> bpy.types.Mesh:
 
 def _clay() -> bpy.types.Material:
     """Matte clay, a little darker in creases so that relief reads at a small size."""
-    material = bpy.data.materials.new("Clay")
+    material = bpy.data.materials.get(CLAY_NAME)
+    if material is not None:
+        return material
+    material, shader = _matte(CLAY_NAME)
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    shader = nodes["Principled BSDF"]
-    shader.inputs["Roughness"].default_value = 0.62
-    shader.inputs["Specular IOR Level"].default_value = 0.3
     ramp = nodes.new("ShaderNodeValToRGB")
     _shade(ramp.color_ramp.elements, ((0.42, 0.55), (0.58, 1.18)))
     links.new(nodes.new("ShaderNodeNewGeometry").outputs["Pointiness"], ramp.inputs["Fac"])
     links.new(ramp.outputs["Color"], shader.inputs["Base Color"])
     return material
+
+
+def _painted() -> bpy.types.Material:
+    """The same surface in the colours of the vertices."""
+    material = bpy.data.materials.get(PAINT)
+    if material is not None:
+        return material
+    material, shader = _matte(PAINT)
+    paint = material.node_tree.nodes.new("ShaderNodeVertexColor")
+    paint.layer_name = PAINT
+    for name in ("Base Color", "Emission Color"):  # shades are not to be taken for values
+        material.node_tree.links.new(paint.outputs["Color"], shader.inputs[name])
+    shader.inputs["Emission Strength"].default_value = GLOW
+    shader.inputs["Specular IOR Level"].default_value = 0
+    return material
+
+
+def _matte(name: str) -> tuple[bpy.types.Material, bpy.types.ShaderNode]:
+    material = bpy.data.materials.new(name)
+    shader = material.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Roughness"].default_value = 0.62
+    shader.inputs["Specular IOR Level"].default_value = 0.3
+    return material, shader
 
 
 def _shade(stops: Iterable, levels: Iterable[tuple[float, float]]) -> None:

@@ -47,7 +47,7 @@ use crate::settings::{scheme as parse_scheme, solver as parse_solver};
 /// -------
 /// Flow
 ///     Its `states` are (N+1, H, W, C), its `bands` (K, H, W, C), its `residual` and what `filter`
-///     returns (H, W, C); without C where the image is (H, W). All states are held, 8 bytes each.
+///     returns (H, W, C); without C where the image is (H, W).
 ///
 /// Raises
 /// ------

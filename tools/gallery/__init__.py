@@ -1,0 +1,1 @@
+"""The figures of the paper, made by this library; see docs/gallery."""
