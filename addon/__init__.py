@@ -1,42 +1,38 @@
 """Spectral TV: split a mesh into bands of detail that can be dialled, masked and animated.
 
-Panels call operators, operators run jobs, jobs call the package spectral_tv.
+Panels call operators, operators run jobs, jobs call the package spectral_tv. Where that package
+cannot be used, a panel that says so takes the place of all parts.
 """
 
-from . import (
-    attributes,
-    command_line,
-    constraints,
-    handlers,
-    images,
-    operators,
-    panels,
-    properties,
-    records,
-    spectrum,
-)
+from importlib import import_module
+from types import ModuleType
+
+from . import native
 
 _PARTS = (
-    properties,
-    records,
-    constraints,
-    attributes,
-    images,
-    spectrum,
-    operators,
-    panels,
-    handlers,
-    command_line,
+    "properties",
+    "records",
+    "constraints",
+    "attributes",
+    "images",
+    "spectrum",
+    "operators",
+    "panels",
+    "handlers",
+    "command_line",
 )
+_registered: list[ModuleType] = []
 
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""
-    for part in _PARTS:
+    for name in _PARTS if native.problem() is None else ("unavailable",):
+        part = import_module(f".{name}", __package__)
         part.register()
+        _registered.append(part)
 
 
 def unregister() -> None:
     """Called by Blender when the extension is disabled."""
-    for part in reversed(_PARTS):
-        part.unregister()
+    while _registered:
+        _registered.pop().unregister()

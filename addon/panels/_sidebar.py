@@ -1,31 +1,12 @@
-"""Where the panels are, and how they tell something."""
-
-import textwrap
+"""What the panels share."""
 
 import bpy
 
 from .. import jobs
 from ..operators._job import SPECTRAL_TV_OT_cancel
+from ..sidebar import Sidebar, say
 
-# Of the region's width in unscaled pixels: what margins, tabs and an icon take, and a character.
-TAKEN, CHARACTER = 75, 6.5
-
-
-class Sidebar:
-    """The tab in the 3D view's sidebar."""
-
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Spectral TV"
-
-
-def say(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
-    """Draw a text in as many lines as it needs, as labels cut off what is too long for them."""
-    width = context.region.width / context.preferences.system.ui_scale
-    column = layout.column(align=True)
-    for line in textwrap.wrap(text, max(int((width - TAKEN) / CHARACTER), 10)):
-        column.label(text=line, icon=icon)
-        icon = "BLANK1"
+__all__ = ["Sidebar", "draw_progress", "say"]
 
 
 def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
