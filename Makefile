@@ -7,6 +7,7 @@ AZIMUTH ?=
 FIGURES ?=
 MESHES ?=
 BENCH ?=
+PLATFORMS ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -17,7 +18,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures gallery clean
+.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures gallery release clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -68,6 +69,10 @@ pictures: $(EXTENSION_STAMP)
 # Figures of the paper; FIGURES="clouds bands" makes some, MESHES=folder those of its meshes too.
 gallery: $(WHEEL_STAMP)
 	$(BIN)/python -m tools.gallery $(FIGURES) $(if $(MESHES),--meshes "$(MESHES)")
+
+# Needs root on Debian 12. PLATFORMS are some of tools/release/build.sh's.
+release:
+	tools/release/build.sh $(PLATFORMS)
 
 clean:
 	rm -rf $(VENV) target dist demo .build
