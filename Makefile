@@ -8,6 +8,7 @@ FIGURES ?=
 MESHES ?=
 BENCH ?=
 PLATFORMS ?=
+CHECKS ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -18,7 +19,8 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures gallery release clean
+.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures gallery release \
+  release-check clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -70,9 +72,12 @@ pictures: $(EXTENSION_STAMP)
 gallery: $(WHEEL_STAMP)
 	$(BIN)/python -m tools.gallery $(FIGURES) $(if $(MESHES),--meshes "$(MESHES)")
 
-# Needs root on Debian 12. PLATFORMS are some of tools/release/build.sh's.
+# Both need root on Debian 12. PLATFORMS are some of tools/release/build.sh's, CHECKS of check.sh's.
 release:
 	tools/release/build.sh $(PLATFORMS)
+
+release-check: $(EXTENSION_STAMP)
+	tools/release/check.sh $(CHECKS)
 
 clean:
 	rm -rf $(VENV) target dist demo .build

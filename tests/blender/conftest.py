@@ -28,6 +28,9 @@ from deform_scene import constrain, dumbbell_object, empty  # noqa: E402
 
 
 def built_zip() -> Path:
+    """The zip that SPECTRAL_TV_ZIP names, or that make extension built."""
+    if named := os.environ.get("SPECTRAL_TV_ZIP"):
+        return Path(named)
     zips = sorted((ROOT / "dist").glob("spectral_tv-*.zip"))
     assert zips, "dist/ holds no extension; run: make extension"
     return zips[-1]

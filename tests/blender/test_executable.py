@@ -7,14 +7,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 PYTEST = ("pytest", "_pytest", "pluggy", "iniconfig", "packaging", "pygments", "py")
-RUN_PYTEST = """
-import sys
-sys.path.insert(0, {packages!r})
-import pytest
-status = pytest.main(["-rs", "-p", "no:cacheprovider", "-m", "not executable", {tests!r}])
-if status:
-    raise RuntimeError(f"pytest returned {{status!r}}")
-"""
 
 
 def test_decomposes_in_background(blender, tmp_path: Path):
@@ -41,12 +33,9 @@ def test_the_extension_passes_its_tests_inside(blender, tmp_path: Path):
         source = Path(find_spec(name).origin)
         source = source.parent if source.name == "__init__.py" else source
         (packages / source.name).symlink_to(source)
-    script = tmp_path / "script.py"
-    script.write_text(
-        RUN_PYTEST.format(packages=str(packages), tests=str(Path(__file__).parent)),
-        encoding="utf-8",
-    )
-    done = blender("--background", "--python-exit-code", "7", "--python", str(script))
+    script = Path(__file__).with_name("run_inside.py")
+    options = ["--background", "--python-exit-code", "7", "--python", str(script)]
+    done = blender(*options, "--", str(packages))
     assert re.search(r"\d+ passed", done.stdout), done.stdout
     skipped = re.findall(r"^SKIPPED .*", done.stdout, re.MULTILINE)
     assert all("this Blender is built without" in line for line in skipped), skipped

@@ -1,0 +1,19 @@
+"""Runs the extension's tests in the Python of a Blender in which it is installed and enabled.
+
+    blender --background --python-exit-code 7 --python run_inside.py -- PACKAGES
+
+PACKAGES is a directory with pytest, which Blender has not.
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, sys.argv[sys.argv.index("--") + 1])
+
+import pytest
+
+OPTIONS = ["-rs", "-p", "no:cacheprovider", "-m", "not executable"]
+
+status = pytest.main([*OPTIONS, str(Path(__file__).parent)])
+if status:
+    raise RuntimeError(f"pytest returned {status!r}")

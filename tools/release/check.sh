@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Checks what build.sh left in dist/release: the wheels, each as far as it can be run here, and the
+# zip for Linux in Blender. Stops at the first thing that is wrong. Needs root on Debian 12.
+#
+#   check.sh [wheels | tests | results | blender]…   all of it, or some
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+release=$PWD/dist/release
+results=$PWD/.build/release/results
+python=$PWD/.venv/bin/python
+place=tools/release/place.sh
+
+say() { printf '\n== %s\n' "$*"; }
+
+fail() {
+  echo "check.sh: that is wrong: $*" >&2
+  exit 1
+}
+
+# Where each wheel is run; macOS has no such place.
+places() {
+  case $1 in
+    *manylinux*x86_64.whl) echo linux-x64 ;;
+    *manylinux*aarch64.whl) echo linux-arm64 ;;
+    *win_amd64.whl) echo windows-x64 windows-x64-3.13 ;;
+  esac
+}
+
+# Checks without running.
+wheels() {
+  "$python" -m pip install --quiet --group release-check
+  for wheel in "$release"/*.whl; do
+    say "$(basename "$wheel")"
+    "$python" -m abi3audit --strict --summary "$wheel"
+    case $wheel in
+      *manylinux*) # it needs no newer glibc than its name says
+        shown=$("$python" -m auditwheel show "$wheel")
+        tag=$(basename "$wheel" .whl | cut -d - -f 5)
+        [[ ${shown//[[:space:]]/ } == *"platform tag: \"$tag\""* ]] || fail "$shown"
+        ;;
+      *win_*) # it needs no library but Windows' and Python's
+        shown=$("$python" -m delvewheel show "$wheel")
+        [[ $shown == *"will be copied into the wheel."[[:space:]]*"None"* ]] || fail "$shown"
+        ;;
+      *macosx*) shown=$("$python" -m tools.release.mach_o "$wheel") ;;
+    esac
+    echo "$shown"
+  done
+  say zips
+  (cd "$release" && sha256sum --check SHA256SUMS)
+  tools/blender_chroot.sh setup
+  for zip in "$release"/*.zip; do
+    tools/blender --command extension validate "$zip"
+  done
+}
+
+# The package's tests on every platform that can be emulated; SciPy's part not in Python 3.13.
+tests() {
+  for wheel in "$release"/*.whl; do
+    for name in $(places "$wheel"); do
+      say "tests on $name"
+      tested=(tests/package tests/mathematics)
+      [[ $name != *-3.13 ]] || tested=(tests/package)
+      $place setup "$name" "$wheel"
+      $place run "$name" -m pytest -p no:cacheprovider "${tested[@]}"
+    done
+  done
+}
+
+# The same numbers everywhere as on Linux on x86-64.
+results() {
+  mkdir -p "$results"
+  $place setup linux-x64 "$release"/*manylinux*x86_64.whl
+  $place run linux-x64 tools/release/results.py meshes "$results/meshes.npz"
+  others=()
+  for wheel in "$release"/*.whl; do
+    for name in $(places "$wheel"); do
+      say "results on $name"
+      $place setup "$name" "$wheel"
+      $place run "$name" tools/release/results.py compute "$results/meshes.npz" "$results/$name.npz"
+      [[ $name == linux-x64 ]] || others+=("$results/$name.npz")
+    done
+  done
+  "$python" tools/release/results.py compare "$results/linux-x64.npz" "${others[@]}"
+}
+
+# The zip for Linux in the real program, and in bpy of several versions.
+blender() {
+  tools/blender_chroot.sh setup
+  export SPECTRAL_TV_ZIP
+  SPECTRAL_TV_ZIP=$(echo "$release"/*-linux_x64.zip)
+  BLENDER=$PWD/tools/blender "$python" -m pytest tests/blender
+  PYTHON_3_13="$PWD/tools/blender_chroot.sh run python3.13" make test-bpy
+}
+
+(($#)) || set -- wheels results tests blender
+for part in "$@"; do
+  "$part"
+done
+say "all of it is right"
