@@ -12,16 +12,21 @@ if ! cmp --silent pyproject.toml $tools/installed.toml; then
   $tools/bin/pip install --quiet --group release
   cp pyproject.toml $tools/installed.toml
 fi
-export PATH=$tools/bin:$PATH CARGO_HOME=/var/cache/cargo CARGO_TARGET_DIR=/var/cache/target
-unset RUSTUP_TOOLCHAIN RUSTFLAGS
-
-# Debian has no std for these targets: it is built from its sources.
-build_std=(-Z "build-std=std,panic_unwind")
-zig_linux=(--zig --compatibility manylinux_2_28)
+export PATH=$tools/bin:$PATH CARGO_HOME=/var/cache/cargo
+unset RUSTUP_TOOLCHAIN RUSTFLAGS RUSTC_BOOTSTRAP
 
 build() {
-  local target=$1
-  maturin build --release --locked --interpreter python3.11 --target "$target" --out dist "${@:2}"
+  # Directories apart: what runs while building is compiled anew wherever RUSTC_BOOTSTRAP changes.
+  export CARGO_TARGET_DIR=/var/cache/target${RUSTC_BOOTSTRAP:+-with-std}
+  maturin build --release --locked --interpreter python3.11 --out dist --target "$@"
+}
+
+linux() { build "$1" --zig --compatibility manylinux_2_28; }
+
+# Debian has no std for these targets: it is built from its sources.
+build_with_std() {
+  export RUSTC_BOOTSTRAP=1
+  build "$@" -Z "build-std=std,panic_unwind"
 }
 
 mac() {
@@ -29,15 +34,14 @@ mac() {
   export SDKROOT=/var/empty            # zig brings what is linked with
   # Stripping afterwards would break the signature that the linker writes.
   export CARGO_PROFILE_RELEASE_STRIP=false MATURIN_STRIP=false
-  RUSTC_BOOTSTRAP=1 build "$1" --zig "${build_std[@]}"
+  build_with_std "$1" --zig
 }
 
 rm -rf dist
 case $1 in
-  linux-x64) build x86_64-unknown-linux-gnu "${zig_linux[@]}" ;;
-  linux-arm64) build aarch64-unknown-linux-gnu "${zig_linux[@]}" ;;
-  windows-x64) RUSTC_BOOTSTRAP=1 build x86_64-pc-windows-gnu "${build_std[@]}" ;;
-  windows-arm64) RUSTC_BOOTSTRAP=1 build aarch64-pc-windows-gnullvm --zig "${build_std[@]}" ;;
+  linux-x64) linux x86_64-unknown-linux-gnu ;;
+  linux-arm64) linux aarch64-unknown-linux-gnu ;;
+  windows-x64) build_with_std x86_64-pc-windows-gnu ;;
   macos-arm64) mac aarch64-apple-darwin ;;
   macos-x64) mac x86_64-apple-darwin ;;
   versions)
