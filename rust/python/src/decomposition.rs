@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::method;
 use spectral_tv::spectral::even_edges;
 
 use crate::arrays;
 use crate::error::Failure;
 use crate::flow::{Flow, Layout};
-use crate::job::{Convert, Job, Task};
+use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
 use crate::settings::{Request, gains as parse_gains};
 
@@ -89,9 +88,9 @@ impl Decomposition {
     ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
         let edges = arrays::list("edges", edges)?;
         let shape = (3, self.inner.vertex_areas().len());
-        let bands = py.detach(|| {
+        let bands = guarded(py, || {
             let bands = self.inner.bands(&edges)?;
-            Ok::<_, Error>(arrays::stacked(edges.len() - 1, shape, bands))
+            Ok(arrays::stacked(edges.len() - 1, shape, bands))
         })?;
         Ok(bands.into_pyarray(py))
     }
@@ -114,7 +113,7 @@ impl Decomposition {
         gains: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let gains = parse_gains(gains, self.inner.component_times())?;
-        let shape = py.detach(|| self.inner.filter(&gains))?;
+        let shape = guarded(py, || self.inner.filter(&gains))?;
         Ok(arrays::per_vertex(py, &shape))
     }
 

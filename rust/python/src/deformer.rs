@@ -3,14 +3,13 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::deformation;
 use spectral_tv::monitor::Monitor;
 
 use crate::arrays;
 use crate::deformation::{Deformation, Shape, constraints, converted};
 use crate::error::Failure;
-use crate::job::{Convert, Job, Task};
+use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
 
 /// A mesh and the vertices that are constrained, to be deformed again and again.
@@ -55,7 +54,7 @@ impl Deformer {
         let constraints = constraints(mesh, indices, weights)?;
         let shape = Arc::new(Shape::new(mesh, &constraints));
         let mesh = &mesh.inner;
-        let inner = py.detach(|| {
+        let inner = guarded(py, || {
             let monitor = Monitor::new();
             deformation::Deformer::new(mesh, constraints, softness, monitor.whole())
         })?;
@@ -86,10 +85,10 @@ impl Deformer {
     ///     If targets are of the wrong shape, not finite, or two exact ones of a vertex differ.
     fn drag(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> Result<Deformation, Failure> {
         let targets = arrays::positions("targets", targets)?;
-        Ok(py.detach(|| {
+        guarded(py, || {
             let inner = lock(&self.inner).drag(&targets)?;
-            Ok::<_, Error>(self.shape.deformed(inner))
-        })?)
+            Ok(self.shape.deformed(inner))
+        })
     }
 
     /// Deform to the optimum.

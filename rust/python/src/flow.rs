@@ -3,12 +3,12 @@
 use ndarray::Array3;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::monitor::Monitor;
 use spectral_tv::spectral::{SpectralTransform, even_edges};
 
 use crate::arrays;
 use crate::error::Failure;
+use crate::job::guarded;
 use crate::settings::gains as parse_gains;
 
 /// A flow sampled at N + 1 times, made by `flow` or `decompose_image`, or found in
@@ -88,7 +88,9 @@ impl Flow {
         let trajectory = self.transform.trajectory();
         let nodes = trajectory.times.len();
         let shape = trajectory.initial().dim();
-        let states = py.detach(|| arrays::stacked(nodes, shape, trajectory.states()));
+        let states = guarded(py, || {
+            Ok(arrays::stacked(nodes, shape, trajectory.states()))
+        })?;
         self.stack(py, states)
     }
 
@@ -109,7 +111,7 @@ impl Flow {
     /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N−1, (N−1,), unit of the values × length².
     #[getter]
     fn spectrum<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
-        let spectrum = py.detach(|| {
+        let spectrum = guarded(py, || {
             let monitor = Monitor::new();
             self.transform.spectrum(&self.masses, monitor.whole())
         });
@@ -155,9 +157,9 @@ impl Flow {
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let edges = arrays::list("edges", edges)?;
         let shape = self.transform.trajectory().initial().dim();
-        let bands = py.detach(|| {
+        let bands = guarded(py, || {
             let bands = self.transform.bands(&edges)?;
-            Ok::<_, Error>(arrays::stacked(edges.len() - 1, shape, bands))
+            Ok(arrays::stacked(edges.len() - 1, shape, bands))
         })?;
         Ok(self.stack(py, bands)?)
     }
@@ -180,7 +182,7 @@ impl Flow {
         gains: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let gains = parse_gains(gains, self.transform.component_times())?;
-        let values = py.detach(|| self.transform.filter(&gains))?;
+        let values = guarded(py, || self.transform.filter(&gains))?;
         Ok(self.per_vertex(py, &values)?)
     }
 

@@ -14,7 +14,7 @@ use spectral_tv::spectral::SpectralTransform;
 use crate::arrays;
 use crate::error::Failure;
 use crate::flow::{Flow, Layout};
-use crate::job::{Convert, Job, Task};
+use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
 use crate::settings::{scheme as parse_scheme, solver as parse_solver};
 
@@ -232,12 +232,19 @@ pub fn conformal_flow<'py>(
 /// MeshError
 ///     If the values do not have a row per vertex or are not finite.
 #[pyfunction]
-pub fn total_variation(mesh: &Mesh, values: &Bound<'_, PyAny>) -> Result<f64, Failure> {
+pub fn total_variation(
+    py: Python<'_>,
+    mesh: &Mesh,
+    values: &Bound<'_, PyAny>,
+) -> Result<f64, Failure> {
     let (values, _) = arrays::channels("values", values)?;
-    let operators = Discretization::new(&mesh.inner, Monitor::new().whole())?;
-    operators.check_values(values.view())?;
-    Ok(operators::total_variation(
-        operators.gradient(),
-        values.view(),
-    ))
+    let mesh = &mesh.inner;
+    guarded(py, || {
+        let operators = Discretization::new(mesh, Monitor::new().whole())?;
+        operators.check_values(values.view())?;
+        Ok(operators::total_variation(
+            operators.gradient(),
+            values.view(),
+        ))
+    })
 }

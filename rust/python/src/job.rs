@@ -81,6 +81,15 @@ impl<T: Send + 'static> Task<T> {
     }
 }
 
+/// Short work without the GIL, a panic in it turned into an exception as in a [`Task`].
+pub fn guarded<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> spectral_tv::Result<T> + Send,
+) -> Result<T, Failure> {
+    let outcome = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
+    finish(outcome.map_err(|panic| panic_message(&*panic)))
+}
+
 fn finish<T>(outcome: Outcome<T>) -> Result<T, Failure> {
     match outcome {
         Ok(result) => Ok(result?),

@@ -10,6 +10,7 @@ use spectral_tv::solver::Solver;
 
 use crate::arrays;
 use crate::error::Failure;
+use crate::job::guarded;
 
 /// The keyword arguments of `decompose` and `start_decompose`.
 pub struct Request<'a, 'py> {
@@ -173,7 +174,8 @@ pub fn graded_times(
     largest: f64,
     steps: usize,
 ) -> Result<Bound<'_, PyArray1<f64>>, Failure> {
-    Ok(method::graded_times(finest, largest, steps)?.into_pyarray(py))
+    let times = guarded(py, || method::graded_times(finest, largest, steps))?;
+    Ok(times.into_pyarray(py))
 }
 
 /// The way steps are taken.
