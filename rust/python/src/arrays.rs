@@ -138,6 +138,11 @@ pub fn set(name: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<b
         return Ok(set);
     }
     let values = weights(name, value)?;
+    if let Some(place) = values.iter().position(|value| value.is_nan()) {
+        return Err(MeshError::new_err(format!(
+            "{name}[{place}] is not a number"
+        )));
+    }
     Ok(values.iter().map(|&value| value >= 0.5).collect())
 }
 

@@ -5,6 +5,11 @@ use thiserror::Error;
 /// The result of every fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// Whether a number is finite, and not so large that products of several overflow: at most 1e100.
+pub(crate) fn has_usable_size(value: f64) -> bool {
+    value.abs() <= 1e100
+}
+
 /// Why a call was refused or ended early.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
@@ -33,7 +38,9 @@ pub enum Error {
     #[error("{0}")]
     Argument(String),
     /// A per-vertex value is NaN or infinite.
-    #[error("the value of vertex {vertex}, channel {channel}, is not finite: {value}")]
+    #[error(
+        "the value of vertex {vertex}, channel {channel}, is not finite, or beyond 1e100: {value}"
+    )]
     NonFiniteValue {
         /// Index of the vertex.
         vertex: usize,

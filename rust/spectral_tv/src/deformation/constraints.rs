@@ -5,7 +5,7 @@ use ndarray::Array2;
 
 use crate::deformation::enclosing_ball::enclosing_ball;
 use crate::deformation::floating::Floating;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::mesh::TriangleMesh;
 use crate::operators::invertible_masses;
 
@@ -165,9 +165,9 @@ impl Constraints {
         }
         let mut first = vec![None; self.fixed.len()];
         for (entry, (&vertex, target)) in self.vertices.iter().zip(positions).enumerate() {
-            if !target.iter().all(|x| x.is_finite()) {
+            if !target.iter().all(|&x| has_usable_size(x)) {
                 return Err(Error::Argument(format!(
-                    "the target of vertex {vertex} is not finite: {target:?}"
+                    "the target of vertex {vertex} is not finite, or beyond 1e100: {target:?}"
                 )));
             }
             if self.firmness[entry].is_finite() {

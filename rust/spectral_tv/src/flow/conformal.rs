@@ -6,6 +6,7 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::error::{Error, Result};
 use crate::flow::law::Law;
+use crate::flow::recorder::check_steps;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
 use crate::mesh::{TriangleMesh, barycentric_areas};
 use crate::monitor::Stage;
@@ -97,9 +98,7 @@ pub fn conformal_mean_curvature_flow(
             "time must be positive and finite, not {duration}"
         )));
     }
-    if steps == 0 {
-        return Err(Error::Argument("steps must be at least 1".into()));
-    }
+    check_steps(steps)?;
     let law = ConformalLaplace::new(mesh, operators, 2)?;
     let times: Vec<f64> = (0..=steps)
         .map(|k| duration * k as f64 / steps as f64)

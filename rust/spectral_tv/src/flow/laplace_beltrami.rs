@@ -3,6 +3,7 @@
 use ndarray::{Array1, Array2, Axis, Slice, aview1};
 
 use crate::error::{Error, Result};
+use crate::flow::recorder::check_steps;
 use crate::flow::trajectory::Trajectory;
 use crate::mesh::{TriangleMesh, connected_components};
 use crate::monitor::Stage;
@@ -106,9 +107,7 @@ impl Eigenpairs {
     /// # Errors
     /// If `steps` is 0.
     pub fn times(&self, largest: f64, steps: usize) -> Result<Vec<f64>> {
-        if steps == 0 {
-            return Err(Error::Argument("steps must be at least 1".into()));
-        }
+        check_steps(steps)?;
         let highest = self
             .eigenvalues
             .iter()

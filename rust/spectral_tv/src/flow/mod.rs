@@ -26,7 +26,7 @@ pub use heat::Heat;
 pub use laplace_beltrami::Eigenpairs;
 pub use law::Law;
 pub use proximal::proximal_flow;
-pub(crate) use recorder::check_times;
+pub(crate) use recorder::{check_steps, check_times};
 pub use semi_implicit::{Weights, semi_implicit_flow};
 pub use total_variation::TotalVariation;
 pub use trajectory::Trajectory;

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayView2};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::flow::increment::{Increment, Precision};
 use crate::flow::trajectory::Trajectory;
 use crate::operators::{Discretization, total_variation};
@@ -102,6 +102,23 @@ impl Recorder {
     }
 }
 
+/// Most steps of equal or graded length: a million take hours and gigabytes on any mesh.
+const MOST_STEPS: usize = 1_000_000;
+
+/// Refuses numbers of steps that no flow takes.
+///
+/// # Errors
+/// If `steps` is 0, or beyond a million.
+pub(crate) fn check_steps(steps: usize) -> Result<()> {
+    match steps {
+        0 => Err(Error::Argument("steps must be at least 1".into())),
+        1..=MOST_STEPS => Ok(()),
+        _ => Err(Error::Argument(format!(
+            "steps must be at most {MOST_STEPS}, not {steps}"
+        ))),
+    }
+}
+
 /// Refuses times that do not increase from 0.
 pub(crate) fn check_times(times: &[f64]) -> Result<()> {
     if times.len() < 2 {
@@ -117,9 +134,9 @@ pub(crate) fn check_times(times: &[f64]) -> Result<()> {
         )));
     }
     for (k, pair) in times.windows(2).enumerate() {
-        if !(pair[1] > pair[0] && pair[1].is_finite()) {
+        if !(pair[1] > pair[0] && has_usable_size(pair[1])) {
             return Err(Error::Argument(format!(
-                "times must increase and be finite, but times[{}] is {} after {}",
+                "times must increase and stay below 1e100, but times[{}] is {} after {}",
                 k + 1,
                 pair[1],
                 pair[0]

@@ -9,7 +9,7 @@
 use ndarray::{Array2, Axis};
 
 use crate::error::{Error, Result};
-use crate::flow::{Weights, velocity};
+use crate::flow::{Weights, check_steps, velocity};
 use crate::mesh::TriangleMesh;
 use crate::method::band_errors::{band_errors, bands, lengths};
 use crate::method::decompose::{Scheme, Settings, run_flows};
@@ -87,7 +87,10 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
             let message = format!("steps must be at least 2, not {count}");
             return Err(Error::Argument(message));
         }
+        check_steps(count)?;
     }
+    let refined = request.refinement.saturating_mul(most);
+    check_steps(refined)?;
     let edges = even_edges(&times(most)?, request.bands)?;
     let operators = Discretization::new(mesh, stage)?;
     let (method, solver) = (&settings.method, settings.solver);
@@ -96,7 +99,6 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
         Representation::new(mesh, &operators, method, solver, share)?;
     let operators = along.map_or(operators, |(_, operators)| operators);
 
-    let refined = request.refinement * most;
     let work = (refined + 2 * steps.iter().sum::<usize>()) as f64;
     let mut done = 0;
     let mut run = |scheme: Scheme, count: usize| {

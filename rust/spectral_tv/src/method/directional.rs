@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayView2, Axis};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::flow::conformal_mean_curvature_flow;
 use crate::mesh::TriangleMesh;
 use crate::method::outward::outward_signs;
@@ -89,10 +89,13 @@ impl Base {
                         shape.ncols()
                     )));
                 }
-                match shape.indexed_iter().find(|(_, value)| !value.is_finite()) {
+                match shape
+                    .indexed_iter()
+                    .find(|(_, value)| !has_usable_size(**value))
+                {
                     Some(((axis, vertex), value)) => Err(Error::Argument(format!(
-                        "base vertex {vertex} has a coordinate ({axis}) that is not finite: \
-                         {value}"
+                        "base vertex {vertex} has a coordinate ({axis}) that is not finite, \
+                         or beyond 1e100: {value}"
                     ))),
                     None => Ok(shape.clone()),
                 }

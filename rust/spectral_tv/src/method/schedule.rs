@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::error::{Error, Result};
+use crate::flow::check_steps;
 use crate::method::Method;
 
 /// N + 1 times from 0 for N = `steps`, length²: t_k = c ((1 + t_N/c)^(k/N) − 1), evenly spaced
@@ -24,9 +25,7 @@ pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64
 /// # Errors
 /// If `steps` is 0 or 0 < `finest` < `largest` does not hold.
 pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>> {
-    if steps == 0 {
-        return Err(Error::Argument("steps must be at least 1".into()));
-    }
+    check_steps(steps)?;
     if !(0.0 < finest && finest < largest && largest.is_finite()) {
         return Err(Error::Argument(format!(
             "the finest scale must be above 0 and below the largest, but they are {finest:e} \

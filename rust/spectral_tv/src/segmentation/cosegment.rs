@@ -16,7 +16,7 @@ use crate::segmentation::k_means::k_means;
 /// levels: trunk, upper limbs and head, lower limbs, hands.
 ///
 /// # Errors
-/// If there is no shape, or `segments` is 0 or more than there are vertices; or
+/// If there is no shape, one has no components, or `segments` is 0 or more than there are vertices; or
 /// [`Error::Cancelled`].
 pub fn cosegment(
     decompositions: &[&Decomposition],
@@ -32,6 +32,14 @@ pub fn cosegment(
     if segments == 0 || segments > total {
         return Err(Error::Argument(format!(
             "segments must be between 1 and the number of vertices, {total}, not {segments}"
+        )));
+    }
+    if let Some(index) = decompositions
+        .iter()
+        .position(|d| d.component_times().is_empty())
+    {
+        return Err(Error::Argument(format!(
+            "decomposition {index} has no components; it needs at least two steps"
         )));
     }
     let mut functions = Vec::with_capacity(decompositions.len());
