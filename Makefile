@@ -19,7 +19,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test test-bpy test-window lint extension bench bench-check pictures gallery release \
+.PHONY: demo test test-bpy test-window fuzz lint extension bench bench-check pictures gallery release \
   release-check clean
 
 demo: $(EXTENSION_STAMP)
@@ -36,6 +36,10 @@ test-bpy: $(EXTENSION_STAMP)
 # Needs the chroot: tools/blender_chroot.sh.
 test-window: $(EXTENSION_STAMP)
 	BLENDER=blender tools/blender_chroot.sh run tests/window/run.sh
+
+# A thousand cases for each property, new ones every time.
+fuzz: $(WHEEL_STAMP)
+	$(BIN)/python -m pytest tests/fuzz --hypothesis-profile=long
 
 lint: $(WHEEL_STAMP)
 	cargo fmt --all --check
