@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import bpy
 import numpy as np
 import pytest
 from command_line_files import empty, run
-from PIL import Image
 
 QUICK = ["--bands", "3", "--steps", "8"]
 
@@ -24,13 +24,21 @@ def picture(path: Path) -> Path:
     values = np.full((40, 50, 3), 90.0)
     values[np.hypot(x - 25, y - 20) < 12] = (220, 160, 60)
     values += np.random.default_rng(0).normal(0, 6, values.shape)
-    Image.fromarray(values.clip(0, 255).astype(np.uint8)).save(path)
+    image = bpy.data.images.new("Picture", 50, 40)
+    rows = np.dstack([values.clip(0, 255) / 255, np.ones((40, 50))])[::-1]
+    image.pixels.foreach_set(rows.astype(np.float32).ravel())
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
     return path
 
 
 def pixels(path: Path) -> np.ndarray:
-    with Image.open(path) as image:
-        return np.asarray(image.convert("RGB")).astype(float)
+    image = bpy.data.images.load(str(path))
+    flat = np.empty(40 * 50 * 4, dtype=np.float32)
+    image.pixels.foreach_get(flat)
+    bpy.data.images.remove(image)
+    return 255 * flat.reshape(40, 50, 4)[::-1, :, :3].astype(float)
 
 
 def test_all_gains_at_1_give_the_picture_back(tmp_path: Path):
