@@ -143,18 +143,13 @@ pub fn accuracy(
     base_time: Option<f64>,
 ) -> Result<Accuracy, Failure> {
     let request = Request {
-        method,
-        times: None,
-        steps: 1,
-        accuracy: None,
         scheme,
         tolerance,
         solver,
         p,
         base,
         base_time,
-        eigenpairs: 1,
-        metric: "surface",
+        ..Request::plain(method, 1)
     };
     let request = accuracy_request(&request, steps, bands, scales, refinement)?;
     start(mesh, request, |inner| Accuracy { inner })?.wait(py, progress)
@@ -191,18 +186,13 @@ pub fn start_accuracy(
     base_time: Option<f64>,
 ) -> Result<Job, Failure> {
     let request = Request {
-        method,
-        times: None,
-        steps: 1,
-        accuracy: None,
         scheme,
         tolerance,
         solver,
         p,
         base,
         base_time,
-        eigenpairs: 1,
-        metric: "surface",
+        ..Request::plain(method, 1)
     };
     let request = accuracy_request(&request, steps, bands, scales, refinement)?;
     let task = start(mesh, request, |inner| -> Convert {
