@@ -1,10 +1,12 @@
 //! What drives a step: the weights of a law at given gradients, and their Laplacian.
 
-use ndarray::{Array2, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView2, Axis, Zip};
 use rayon::prelude::*;
 
+use crate::error::Result;
 use crate::flow::law::Law;
 use crate::flow::time_step::TimeStep;
+use crate::monitor::Stage;
 use crate::operators::Discretization;
 
 /// Faces or vertices that one thread works on at a time.
@@ -22,24 +24,44 @@ pub(super) struct Force {
 
 impl Force {
     /// The weights of `law` for |∇u| = `norms`, applied to `state` (C, V).
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
     pub fn new(
         operators: &Discretization,
         law: &dyn Law,
         norms: &[f64],
         state: ArrayView2<f64>,
-    ) -> Self {
+        stage: Stage,
+    ) -> Result<Self> {
+        stage.check()?;
         let weights = law.weights(norms);
         let couplings = operators.edges().couplings(&weights);
-        Self {
-            flux: operators.edges().apply(&couplings, state),
+        stage.check()?;
+        let flux = operators.edges().apply(&couplings, state);
+        stage.check()?;
+        Ok(Self {
+            flux,
             weights,
             couplings,
-        }
+        })
     }
 
     /// M(û − u) − τ L u, (C, V): the residual of the step at the state u.
     pub fn residual(self, step: &TimeStep, masses: &[f64], state: ArrayView2<f64>) -> Array2<f64> {
-        residual(self.flux, step, masses, state)
+        let mut residual = self.flux;
+        let rows = residual.rows_mut().into_iter().zip(step.data.rows());
+        for ((mut row, data), state) in rows.zip(state.rows()) {
+            let tau = step.tau;
+            Zip::from(&mut row)
+                .and(&data)
+                .and(&state)
+                .and(masses)
+                .par_for_each(|flux, data, state, mass| {
+                    *flux = mass * (data - state) - tau * *flux
+                });
+        }
+        residual
     }
 
     /// Duality gap of a step of TV flow at the state u that this is the force of: primal minus
@@ -52,12 +74,19 @@ impl Force {
         norms: &[f64],
         state: ArrayView2<f64>,
     ) -> f64 {
-        let residual = residual(self.flux.clone(), step, operators.masses(), state);
-        let mut distance = 0.0;
-        for row in residual.rows() {
-            let terms = row.iter().zip(operators.masses());
-            distance += terms.map(|(off, mass)| 0.5 * off * off / mass).sum::<f64>();
-        }
+        let chunks = self.flux.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
+        let distances = chunks.enumerate().map(|(chunk, flux)| {
+            let mut distance = 0.0;
+            for (channel, flux) in flux.rows().into_iter().enumerate() {
+                for (vertex, flux) in (chunk * CHUNK..).zip(flux) {
+                    let mass = operators.masses()[vertex];
+                    let off = step.data[[channel, vertex]] - state[[channel, vertex]];
+                    distance += 0.5 * (mass * off - step.tau * flux).powi(2) / mass;
+                }
+            }
+            distance
+        });
+        let distance = distances.collect::<Vec<f64>>().iter().sum::<f64>();
         let areas = operators.gradient().face_areas();
         let parts = (
             norms.par_chunks(CHUNK),
@@ -71,26 +100,6 @@ impl Force {
         });
         distance + step.tau * parts.collect::<Vec<_>>().iter().sum::<f64>()
     }
-}
-
-/// M(û − u) − τ L u, (C, V), from L u = `flux`.
-fn residual(
-    flux: Array2<f64>,
-    step: &TimeStep,
-    masses: &[f64],
-    state: ArrayView2<f64>,
-) -> Array2<f64> {
-    let mut residual = flux;
-    let rows = residual.rows_mut().into_iter().zip(step.data.rows());
-    for ((mut row, data), state) in rows.zip(state.rows()) {
-        let tau = step.tau;
-        Zip::from(&mut row)
-            .and(&data)
-            .and(&state)
-            .and(masses)
-            .par_for_each(|flux, data, state, mass| *flux = mass * (data - state) - tau * *flux);
-    }
-    residual
 }
 
 /// Σ A n over the faces: TV from |∇u| = `norms`.

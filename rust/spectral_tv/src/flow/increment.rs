@@ -1,6 +1,10 @@
 //! What a step changes, kept as precisely as it was solved for.
 
-use ndarray::{Array2, Zip};
+use ndarray::parallel::prelude::*;
+use ndarray::{Array2, Axis, Zip};
+
+/// Vertices that one thread works on at a time.
+const CHUNK: usize = 1 << 13;
 
 /// How many digits of an increment are worth keeping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,9 +33,9 @@ impl Increment {
         if precision == Precision::Double {
             return Self::Double(values);
         }
-        let largest = values
-            .iter()
-            .fold(0.0_f64, |max, value| max.max(value.abs()));
+        let parts = values.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
+        let parts = parts.map(|part| part.iter().fold(0.0_f64, |max, value| max.max(value.abs())));
+        let largest = parts.reduce(|| 0.0, f64::max);
         let unit = if largest > 0.0 { largest } else { 1.0 };
         let values = Zip::from(&values).par_map_collect(|value| (value / unit) as f32);
         Self::Single { values, unit }

@@ -1,6 +1,6 @@
 //! Semi-implicit stepping: one linear system a step, the weights taken at a known state.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, Zip};
 
 use crate::error::Result;
 use crate::flow::force::{Force, variation};
@@ -51,6 +51,7 @@ pub fn semi_implicit_flow(
 ) -> Result<Trajectory> {
     // On a thread of the pool that the solver shares its work with.
     rayon::scope(|_| {
+        stage.check()?;
         let mut record = Recorder::new(operators, initial, times)?;
         stage.check()?;
         let mut steps = StepSolver::new(operators, law, record.state(), solver, stage)?;
@@ -124,7 +125,11 @@ impl<'a> StepSolver<'a> {
                 .previous()
                 .map(|previous| (previous, times[k] - times[k - 1])),
         };
-        let guess = || predicted_increment(record.increments(), times, history.state.dim());
+        let is_iterative = self.solver.is_iterative();
+        let guess = || match is_iterative {
+            true => predicted_increment(record.increments(), times, history.state.dim()),
+            false => None,
+        };
         if weights == Weights::Extrapolated {
             let (solution, next) = self.extrapolated(&history, dt, guess())?;
             if next.total_variation <= self.now.total_variation * (1.0 + ROUNDING) {
@@ -148,10 +153,11 @@ impl<'a> StepSolver<'a> {
         dt: f64,
         guess: Option<Array2<f64>>,
     ) -> Result<(Solution, Measured)> {
+        self.stage.check()?;
         let step = TimeStep::backward_euler(history, dt);
         let force = match self.now.force.take() {
             Some(force) => force,
-            None => Force::new(self.operators, self.law, &self.now.norms, history.state),
+            None => self.force(&self.now.norms, history.state)?,
         };
         let masses = self.now.masses.clone();
         let state = self.solve(history, &step, force, &masses, guess)?;
@@ -165,6 +171,7 @@ impl<'a> StepSolver<'a> {
         dt: f64,
         guess: Option<Array2<f64>>,
     ) -> Result<(Solution, Measured)> {
+        self.stage.check()?;
         let mut norms = None;
         let mut masses = self.now.masses.clone();
         let mut step = TimeStep::backward_euler(history, dt);
@@ -180,7 +187,7 @@ impl<'a> StepSolver<'a> {
             }
         }
         let weighing = norms.as_deref().unwrap_or(&self.now.norms);
-        let force = Force::new(self.operators, self.law, weighing, history.state);
+        let force = self.force(weighing, history.state)?;
         drop(norms);
         let mut state = self.solve(history, &step, force, &masses, guess)?;
         if !self.law.is_linear() {
@@ -206,10 +213,13 @@ impl<'a> StepSolver<'a> {
         self.solver
             .set_matrix(masses, &force.couplings, step.tau, self.stage)?;
         let residual = force.residual(step, masses, history.state);
-        let increment = self
+        self.stage.check()?;
+        let mut state = self
             .solver
             .solve(residual, guess.as_ref(), self.tolerance, self.stage)?;
-        Ok(increment + history.state)
+        let add = |value: &mut f64, start: &f64| *value += start;
+        Zip::from(&mut state).and(&history.state).par_for_each(add);
+        Ok(state)
     }
 
     /// One descent step on the energy of the time step, preconditioned by the matrix at hand,
@@ -218,7 +228,7 @@ impl<'a> StepSolver<'a> {
         let gradient = self.operators.gradient();
         let norms = gradient.norms(state.view());
         self.stage.check()?;
-        let force = Force::new(self.operators, self.law, &norms, state.view());
+        let force = self.force(&norms, state.view())?;
         let descent = force.residual(step, masses, state.view());
         let direction = self
             .solver
@@ -227,10 +237,12 @@ impl<'a> StepSolver<'a> {
         let start = -products.sum::<f64>();
         drop(descent);
         self.stage.check()?;
+        let along = gradient.products(state.view(), direction.view());
+        self.stage.check()?;
         let line = Line {
             law: self.law,
             areas: gradient.face_areas(),
-            along: gradient.products(state.view(), direction.view()),
+            along,
             squared: gradient.products(direction.view(), direction.view()),
             norms,
         };
@@ -250,13 +262,17 @@ impl<'a> StepSolver<'a> {
         Ok(())
     }
 
+    fn force(&self, norms: &[f64], state: ArrayView2<f64>) -> Result<Force> {
+        Force::new(self.operators, self.law, norms, state, self.stage)
+    }
+
     /// Measures a state and adds the duality gap of a TV step, for the dual field w ∇u.
     fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Result<(Solution, Measured)> {
         let mut next = measured(self.operators, self.law, state.view());
         self.stage.check()?;
         let mut gap = 0.0;
         if self.law.is_total_variation() {
-            let force = Force::new(self.operators, self.law, &next.norms, state.view());
+            let force = self.force(&next.norms, state.view())?;
             gap = force.gap(self.operators, step, &next.norms, state.view());
             next.force = Some(force);
         }

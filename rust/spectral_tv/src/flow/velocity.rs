@@ -2,16 +2,26 @@
 
 use ndarray::{Array2, ArrayView2, aview1};
 
+use crate::error::Result;
 use crate::flow::force::Force;
 use crate::flow::law::Law;
+use crate::monitor::Stage;
 use crate::operators::Discretization;
 
 /// p(u) = M(u)⁻¹ L(w(u)) u at the state u (C, V) (Brokman et al. 2024, Eq. 49), (C, V).
-pub fn velocity(operators: &Discretization, law: &dyn Law, state: ArrayView2<f64>) -> Array2<f64> {
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn velocity(
+    operators: &Discretization,
+    law: &dyn Law,
+    state: ArrayView2<f64>,
+    stage: Stage,
+) -> Result<Array2<f64>> {
     let norms = operators.gradient().norms(state);
-    let force = Force::new(operators, law, &norms, state);
-    match law.masses(state) {
+    let force = Force::new(operators, law, &norms, state, stage)?;
+    Ok(match law.masses(state) {
         Some(masses) => force.flux / aview1(&masses),
         None => force.flux / aview1(operators.masses()),
-    }
+    })
 }

@@ -125,7 +125,7 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
                 band_errors(&bands(&trajectory, &edges), &refined, operators.masses());
             let transform = SpectralTransform::new(trajectory);
             let all_pass = match is_paper {
-                true => paper_all_pass(&operators, &flows, &transform),
+                true => paper_all_pass(&operators, &flows, &transform, stage)?,
                 false => transform.filter(&vec![1.0; transform.component_times().len()])?,
             };
             let initial = transform.trajectory().initial();
@@ -160,7 +160,8 @@ fn paper_all_pass(
     operators: &Discretization,
     flows: &[Flowed],
     transform: &SpectralTransform,
-) -> Array2<f64> {
+    stage: Stage,
+) -> Result<Array2<f64>> {
     let ones = vec![1.0; transform.component_times().len()];
     let times = transform.times();
     let last = times.len() - 1;
@@ -173,10 +174,10 @@ fn paper_all_pass(
     for Flowed { law, values } in flows {
         let channels = first..first + values.nrows();
         let part = end.slice_axis(Axis(0), channels.clone().into());
-        let velocity = velocity(operators, &**law, part);
+        let velocity = velocity(operators, &**law, part, stage)?;
         let mut part = shape.slice_axis_mut(Axis(0), channels.into());
         part.scaled_add(times[last], &velocity);
         first += values.nrows();
     }
-    shape
+    Ok(shape)
 }

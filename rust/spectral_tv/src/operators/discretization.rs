@@ -28,6 +28,7 @@ impl Discretization {
     pub fn new(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
         stage.check()?;
         let gradient = Gradient::new(mesh);
+        stage.check()?;
         let pattern = LaplacianPattern::new(&gradient, stage)?;
         Ok(Self {
             edges: OnceLock::new(),

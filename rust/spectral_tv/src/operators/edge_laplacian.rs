@@ -3,11 +3,12 @@
 //! Everything is gathered, nothing scattered: threads share the work and results do not depend
 //! on how.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::monitor::Stage;
+use crate::operators::lanes::{WIDTH, side_by_side};
 use crate::operators::{Gradient, LaplacianPattern, Neighbour};
 
 /// Edges or vertices that one thread works on at a time.
@@ -43,9 +44,12 @@ impl EdgeLaplacian {
             -gradient.face_areas()[face] * (p[0] * q[0] + p[1] * q[1])
         };
         let (starts, neighbours) = pattern.neighbours(stage)?;
+        stage.check()?;
+        let cotangents = order.par_iter().map(cotangent).collect();
+        stage.check()?;
         Ok(Self {
-            cotangents: order.par_iter().map(cotangent).collect(),
-            faces: order.iter().map(|corner| corner / 3).collect(),
+            cotangents,
+            faces: order.par_iter().map(|corner| corner / 3).collect(),
             face_starts,
             starts,
             neighbours,
@@ -72,25 +76,44 @@ impl EdgeLaplacian {
 
     /// L u for `values` u (C, V).
     pub fn apply(&self, couplings: &[f64], values: ArrayView2<f64>) -> Array2<f64> {
-        let values = values.as_standard_layout();
         let mut product = Array2::zeros(values.dim());
-        for (channel, mut row) in values.rows().into_iter().zip(product.rows_mut()) {
-            let channel = channel.to_slice().expect("standard layout");
-            let row = row.as_slice_mut().expect("standard layout");
-            row.par_chunks_mut(CHUNK)
-                .enumerate()
-                .for_each(|(chunk, row)| {
-                    for (offset, value) in row.iter_mut().enumerate() {
-                        let vertex = chunk * CHUNK + offset;
-                        let bounds = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
-                        let own = channel[vertex];
-                        for &(other, entry) in &self.neighbours[bounds] {
-                            *value += couplings[entry as usize] * (own - channel[other as usize]);
-                        }
-                    }
-                });
+        let blocks = values.axis_chunks_iter(Axis(0), WIDTH);
+        for (values, product) in blocks.zip(product.axis_chunks_iter_mut(Axis(0), WIDTH)) {
+            match values.nrows() {
+                1 => self.apply_to::<1>(couplings, values, product),
+                _ => self.apply_to::<WIDTH>(couplings, values, product),
+            }
         }
         product
+    }
+
+    /// `product` ← L u for at most L channels.
+    fn apply_to<const L: usize>(
+        &self,
+        couplings: &[f64],
+        values: ArrayView2<f64>,
+        mut product: ArrayViewMut2<f64>,
+    ) {
+        let lanes = side_by_side::<L>(values);
+        let chunks = product.axis_chunks_iter_mut(Axis(1), CHUNK).into_par_iter();
+        chunks.enumerate().for_each(|(chunk, mut product)| {
+            for (offset, mut column) in product.columns_mut().into_iter().enumerate() {
+                let vertex = chunk * CHUNK + offset;
+                let bounds = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
+                let own = lanes[vertex];
+                let mut sum = [0.0; L];
+                for &(other, entry) in &self.neighbours[bounds] {
+                    let (coupling, other) = (couplings[entry as usize], &lanes[other as usize]);
+                    for lane in 0..L {
+                        sum[lane] += coupling * (own[lane] - other[lane]);
+                    }
+                }
+                column
+                    .iter_mut()
+                    .zip(sum)
+                    .for_each(|(value, sum)| *value = sum);
+            }
+        });
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use ndarray::{ArrayView1, ArrayView2};
+use ndarray::{ArrayView1, ArrayView2, Axis};
 use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
 use crate::mesh::TriangleMesh;
+use crate::operators::lanes::{Lanes, WIDTH, side_by_side};
 
 /// Faces that are worth handing to another thread.
 const CHUNK: usize = 1 << 12;
@@ -84,31 +85,57 @@ impl Gradient {
 
     /// |∇u| on every face, over all channels of `values` (C, V) together.
     pub fn norms(&self, values: ArrayView2<f64>) -> Vec<f64> {
-        let channels: Vec<_> = values.rows().into_iter().collect();
-        self.per_face(|face| {
-            let squares = channels.iter().map(|channel| {
-                let [x, y] = self.on_face(face, channel);
-                x * x + y * y
-            });
-            squares.sum::<f64>().sqrt()
-        })
+        let mut norms = self.products(values, values);
+        let norms_mut = norms.par_iter_mut().with_min_len(CHUNK);
+        norms_mut.for_each(|norm| *norm = norm.sqrt());
+        norms
     }
 
     /// ⟨∇a, ∇b⟩ on every face, over all channels of `a` and `b` (C, V) together.
     pub fn products(&self, a: ArrayView2<f64>, b: ArrayView2<f64>) -> Vec<f64> {
-        let channels: Vec<_> = a.rows().into_iter().zip(b.rows()).collect();
-        self.per_face(|face| {
-            let products = channels.iter().map(|(a, b)| {
-                let ([x, y], [p, q]) = (self.on_face(face, a), self.on_face(face, b));
-                x * p + y * q
-            });
-            products.sum()
-        })
+        if a.nrows() == 1 {
+            return self.products_of::<1>(a, b);
+        }
+        let blocks = a.axis_chunks_iter(Axis(0), WIDTH);
+        let blocks = blocks.zip(b.axis_chunks_iter(Axis(0), WIDTH));
+        let products = blocks.map(|(a, b)| self.products_of::<WIDTH>(a, b));
+        products
+            .reduce(|mut sum, of_block| {
+                let sums = sum.par_iter_mut().with_min_len(CHUNK);
+                sums.zip(of_block)
+                    .for_each(|(sum, product)| *sum += product);
+                sum
+            })
+            .unwrap_or_default()
     }
 
-    fn per_face(&self, value: impl Fn(usize) -> f64 + Sync + Send) -> Vec<f64> {
+    /// [`Self::products`] of at most L channels.
+    fn products_of<const L: usize>(&self, a: ArrayView2<f64>, b: ArrayView2<f64>) -> Vec<f64> {
+        let left = side_by_side::<L>(a);
+        let is_same = a.as_ptr() == b.as_ptr() && a.strides() == b.strides();
+        let right = (!is_same).then(|| side_by_side::<L>(b));
         let faces = (0..self.hats.len()).into_par_iter();
-        faces.with_min_len(CHUNK).map(value).collect()
+        let products = faces.with_min_len(CHUNK).map(|face| {
+            let of_left = self.on_lanes(face, &left);
+            let of_right = right.as_ref().map(|right| self.on_lanes(face, right));
+            let of_right = of_right.unwrap_or(of_left);
+            let axes = of_left.iter().flatten().zip(of_right.iter().flatten());
+            axes.map(|(a, b)| a * b).sum()
+        });
+        products.collect()
+    }
+
+    /// The two components of ∇u of all lanes on one face.
+    #[inline]
+    fn on_lanes<const L: usize>(&self, face: usize, lanes: &[Lanes<L>]) -> [Lanes<L>; 2] {
+        let [i, j, k] = self.triangles[face].map(|corner| &lanes[corner as usize]);
+        let [_, hat_j, hat_k] = self.hats[face];
+        // Differences, so that adding a constant to u changes nothing.
+        [0, 1].map(|axis| {
+            std::array::from_fn(|lane| {
+                hat_j[axis] * (j[lane] - i[lane]) + hat_k[axis] * (k[lane] - i[lane])
+            })
+        })
     }
 
     /// Gᵀ A z: the integrated negative divergence at every vertex of a field with one vector

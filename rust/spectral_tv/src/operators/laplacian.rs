@@ -41,6 +41,7 @@ impl LaplacianPattern {
             .par_iter()
             .map(|&[i, j, k]| [entry(j, k), entry(k, i), entry(i, j)])
             .collect();
+        stage.check()?;
         Ok(Self {
             column_starts,
             rows,

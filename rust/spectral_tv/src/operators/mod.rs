@@ -5,6 +5,7 @@
 mod discretization;
 mod edge_laplacian;
 mod gradient;
+mod lanes;
 mod laplacian;
 mod total_variation;
 

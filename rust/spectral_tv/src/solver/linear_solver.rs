@@ -120,6 +120,11 @@ impl LinearSolver {
         Ok(right_hand_sides)
     }
 
+    /// Whether solutions begin with a guess.
+    pub fn is_iterative(&self) -> bool {
+        self.multigrid.is_some()
+    }
+
     /// Whether solutions of the matrix at hand are exact to rounding.
     pub fn is_exact(&self) -> bool {
         self.multigrid.is_none() || self.is_factorized

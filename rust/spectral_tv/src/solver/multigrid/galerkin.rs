@@ -39,7 +39,7 @@ impl Galerkin {
         prolongation: &Prolongation,
         stage: Stage,
     ) -> Result<(Self, Matrix)> {
-        let product = Product::new(matrix, prolongation)?;
+        let product = Product::new(matrix, prolongation, stage)?;
         stage.check()?;
         let size = prolongation.coarse_size();
         let chunk = chunk_length(size);
@@ -47,6 +47,7 @@ impl Galerkin {
             .into_par_iter()
             .with_max_len(1)
             .map(|part| {
+                stage.check()?;
                 let rows = part * chunk..((part + 1) * chunk).min(size);
                 Part::new(rows, size, &product, prolongation)
             })
@@ -63,7 +64,9 @@ impl Galerkin {
             let bounds = part.neighbour_starts.windows(2);
             bounds.map(|bound| &part.neighbours[bound[0]..bound[1]])
         });
+        stage.check()?;
         let coarse = Matrix::with_pattern(rows);
+        stage.check()?;
         let galerkin = Self {
             values: vec![0.0; product.columns.len()],
             starts: product.starts,
@@ -176,7 +179,7 @@ struct Product {
 }
 
 impl Product {
-    fn new(matrix: &Matrix, prolongation: &Prolongation) -> Result<Self> {
+    fn new(matrix: &Matrix, prolongation: &Prolongation, stage: Stage) -> Result<Self> {
         let (size, chunk) = (matrix.size(), matrix.chunk());
         let mut own_slots = vec![[0; WIDTH]; size];
         let mut slots = vec![[[0; WIDTH]; 8]; matrix.octets.len()];
@@ -185,6 +188,7 @@ impl Product {
         let lists: Vec<(Vec<u32>, Vec<u32>)> = parts
             .with_max_len(1)
             .map(|(part, (own_slots, slots))| {
+                stage.check()?;
                 let first = part * chunk;
                 let mut seen = Seen::new(prolongation.coarse_size());
                 let (mut ends, mut columns) = (Vec::new(), Vec::new());

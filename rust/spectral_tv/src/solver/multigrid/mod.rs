@@ -84,7 +84,9 @@ impl Multigrid {
     /// [`Error::Cancelled`].
     pub fn analyse(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
         let ordering = Ordering::breadth_first(lower, stage)?;
+        stage.check()?;
         let matrix = system::pattern(&ordering);
+        stage.check()?;
         Ok(Self {
             ordering,
             hierarchy: Hierarchy::unset(matrix),
@@ -190,6 +192,7 @@ impl Multigrid {
             None => iteration.solution.fill([0.0; L]),
         }
         let (tolerance, stage) = (problem.tolerance, problem.stage);
+        stage.check()?;
         let is_fresh = self.age == 1 && self.is_current;
         let most = match self.iterations_when_fresh {
             Some(fresh) if !is_fresh => (fresh + MOST_WASTED_ITERATIONS) as usize,

@@ -65,6 +65,7 @@ impl<const L: usize> Iteration<L> {
     ) -> Result<Report> {
         let matrix = &hierarchy.levels[0].matrix;
         let mut size = self.start(hierarchy);
+        stage.check()?;
         let mut energy = self
             .workspace
             .cycle(hierarchy, &self.residual, &mut self.preconditioned);
