@@ -127,7 +127,10 @@ impl Trajectory {
     ///
     /// # Panics
     /// If there are none, or their times differ.
-    pub fn side_by_side(flows: Vec<Self>) -> Self {
+    pub fn side_by_side(mut flows: Vec<Self>) -> Self {
+        if flows.len() == 1 {
+            return flows.remove(0);
+        }
         let times = flows[0].times.clone();
         assert!(flows.iter().all(|flow| flow.times == times));
         let over = |values: fn(&Self) -> &Vec<f64>, merge: fn(f64, f64) -> f64| -> Vec<f64> {
