@@ -30,7 +30,7 @@ def report(page: Page, name: str, shape: Shape) -> None:
         return spectral_tv.decompose(fresh, "m1", times=times).flow.states
 
     def theirs(times: np.ndarray) -> np.ndarray:
-        return lagged_steps(vertices, triangles, times, "m1")
+        return lagged_steps(vertices, triangles, times, "m1", plain=False)
 
     def error(states: np.ndarray, times: np.ndarray) -> float:
         areas = mesh.vertex_areas

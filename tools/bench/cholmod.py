@@ -1,7 +1,8 @@
 """The paper's semi-implicit steps in SciPy with CHOLMOD: what one would write without this library.
 
-What steps share is worked out once: the gradient, the pattern of the matrix and the map from face
-weights to its entries, and CHOLMOD's analysis. A step takes one factorization.
+The gradient and CHOLMOD's analysis are worked out once, and a step takes one factorization. Its
+matrix is written down as the product it is, or, with more care, by a map from face weights to its
+entries that is worked out once too.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ BASE_TIME, BASE_STEPS = 5e-3, 10
 
 
 def lagged_steps(
-    vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray, method: str
+    vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray, method: str, *, plain: bool
 ) -> np.ndarray:
     """Run M1, M2 or M3, its base included.
 
@@ -30,12 +31,14 @@ def lagged_steps(
     triangles : (F, 3) array of integers
     times : (N+1,) array, increasing from 0, length²
     method : "m1", "m2" or "m3"
+    plain : bool
+        Whether matrices are products.
 
     Returns
     -------
     (N+1, V, 3) array of shapes, or (N+1, V) of the distances from M3's base
     """
-    solver = Steps(vertices, triangles)
+    solver = Steps(vertices, triangles, plain=plain)
     if method == "m2":
         return collected(solver.conformal(times, p=3), vertices, times)
     values = vertices
@@ -57,13 +60,15 @@ def collected(flow: Iterator[np.ndarray], values: np.ndarray, times: np.ndarray)
 class Steps:
     """Flows on one mesh."""
 
-    def __init__(self, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    def __init__(self, vertices: np.ndarray, triangles: np.ndarray, *, plain: bool) -> None:
         """Work out what all steps share."""
+        self.plain = plain
         self.vertices, self.triangles = vertices, triangles
         self.gradient, self.areas = gradient_and_areas(vertices, triangles)
         self.masses = to_vertices(triangles, self.areas / 3, len(vertices))
         self.masses[self.masses == 0] = self.masses.mean()
-        self.system, self.entries, self.diagonal = self._pattern()
+        if not plain:
+            self.system, self.entries, self.diagonal = self._pattern()
         self.factor = None
 
     def total_variation(self, values: np.ndarray, times: np.ndarray) -> Iterator[np.ndarray]:
@@ -95,8 +100,13 @@ class Steps:
 
     def _step(self, masses: np.ndarray, weights: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Solve (M + L(w)) u⁺ = M u."""
-        self.system.data = self.entries @ weights
-        self.system.data[self.diagonal] += masses
+        if self.plain:
+            weighting = sp.diags_array(np.repeat(self.areas * weights, 3))
+            stiffness = self.gradient.T @ weighting @ self.gradient
+            self.system = sp.csc_matrix(sp.diags_array(masses) + stiffness)
+        else:
+            self.system.data = self.entries @ weights
+            self.system.data[self.diagonal] += masses
         self.factor = self.factor or analyze(self.system)
         self.factor.cholesky_inplace(self.system)
         return self.factor((masses * values.T).T)
