@@ -24,12 +24,15 @@ pub struct Cholesky {
     is_factorized: bool,
 }
 
-impl Cholesky {
+/// What a factorization of matrices of one pattern will look like.
+pub(super) struct Analysis(SymbolicCholesky<u32>);
+
+impl Analysis {
     /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
     ///
     /// # Errors
     /// [`Error::Solver`] if memory or the index range does not suffice.
-    pub fn analyse(lower: &CsMatI<f64, u32>) -> Result<Self> {
+    pub fn new(lower: &CsMatI<f64, u32>) -> Result<Self> {
         let params = CholeskySymbolicParams {
             // Simplicial factorization is several times slower at every size that matters.
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
@@ -43,6 +46,20 @@ impl Cholesky {
             params,
         )
         .map_err(|error| Error::Solver(format!("analysis failed: {error:?}")))?;
+        Ok(Self(symbolic))
+    }
+
+    /// Entries that the factor will have in each row, on average.
+    pub fn fill(&self) -> f64 {
+        self.0.len_val() as f64 / self.0.nrows().max(1) as f64
+    }
+
+    /// Makes room for the factor.
+    ///
+    /// # Errors
+    /// [`Error::Solver`] if memory does not suffice.
+    pub fn prepare(self) -> Result<Cholesky> {
+        let Self(symbolic) = self;
         let request = StackReq::any_of(&[
             symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()),
             symbolic.solve_in_place_scratch::<f64>(MOST_RIGHT_HAND_SIDES, Par::Seq),
@@ -54,12 +71,22 @@ impl Cholesky {
             .try_reserve_exact(symbolic.len_val())
             .map_err(|_| Error::Solver("out of memory for the factor".into()))?;
         factor.resize(symbolic.len_val(), 0.0);
-        Ok(Self {
+        Ok(Cholesky {
             symbolic,
             factor,
             workspace,
             is_factorized: false,
         })
+    }
+}
+
+impl Cholesky {
+    /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
+    ///
+    /// # Errors
+    /// [`Error::Solver`] if memory or the index range does not suffice.
+    pub fn analyse(lower: &CsMatI<f64, u32>) -> Result<Self> {
+        Analysis::new(lower)?.prepare()
     }
 
     /// Factorizes the matrix whose lower triangle is `lower`.

@@ -6,12 +6,17 @@ use sprs::CsMatI;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::solver::cholesky::Analysis;
 use crate::solver::{Cholesky, Multigrid};
 
-/// Number of unknowns from which multigrid is faster than a factorization: at 43 000 they tie,
-/// at 164 000 it takes less than half the time, at a million a factorization cannot be
-/// interrupted for seconds.
-const LARGE: usize = 50_000;
+/// Number of unknowns from which a factorization cannot be interrupted for more than a tenth of a
+/// second, and takes longer than multigrid on all shapes but those of thin limbs.
+const LARGE: usize = 100_000;
+/// Entries in a row of the factor from which multigrid is faster at any size: a shape of thin
+/// limbs falls apart in small parts and has 36 at 50 000 vertices (four fifths of multigrid's
+/// time in lagged steps, half in extrapolated ones), a compact one 50 at 36 000 (twice its time,
+/// and 1.3 times).
+const LARGE_FILL: f64 = 45.0;
 
 /// Entries that are worth handing to another thread.
 const CHUNK: usize = 1 << 14;
@@ -45,15 +50,18 @@ impl LinearSolver {
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if memory does not suffice.
     pub fn new(lower: CsMatI<f64, u32>, solver: Solver, stage: Stage) -> Result<Self> {
-        let is_iterative = match solver {
-            Solver::Auto => lower.cols() >= LARGE,
-            Solver::Cholesky => false,
-            Solver::Multigrid => true,
+        stage.check()?;
+        let is_direct = |analysis: &Analysis| analysis.fill() < LARGE_FILL;
+        let analysis = match solver {
+            Solver::Multigrid => None,
+            Solver::Auto if lower.cols() >= LARGE => None,
+            Solver::Auto => Some(Analysis::new(&lower)?).filter(is_direct),
+            Solver::Cholesky => Some(Analysis::new(&lower)?),
         };
         stage.check()?;
-        let (multigrid, cholesky) = match is_iterative {
-            true => (Some(Multigrid::analyse(&lower, stage)?), None),
-            false => (None, Some(Cholesky::analyse(&lower)?)),
+        let (multigrid, cholesky) = match analysis {
+            Some(analysis) => (None, Some(analysis.prepare()?)),
+            None => (Some(Multigrid::analyse(&lower, stage)?), None),
         };
         Ok(Self {
             masses: vec![0.0; lower.cols()],

@@ -11,7 +11,7 @@ use crate::solver::multigrid::smoother::Smoother;
 
 /// Couplings below this fraction of the largest are not followed when vertices are clustered;
 /// half as much on every further level, where rows have more of them.
-const STRENGTH: f32 = 0.3;
+const STRENGTH: f32 = 0.2;
 
 /// A matrix, how its error is smoothed, and the way to the next level.
 pub(super) struct Level {
