@@ -23,7 +23,8 @@ pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64
 /// about `finest` on in log t.
 ///
 /// # Errors
-/// If `steps` is 0 or 0 < `finest` < `largest` does not hold.
+/// If `steps` is 0, 0 < `finest` < `largest` does not hold, or they are too far apart or too small
+/// for steps between them.
 pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>> {
     check_steps(steps)?;
     if !(0.0 < finest && finest < largest && largest.is_finite()) {
@@ -34,7 +35,15 @@ pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>>
     }
     let range = 1.0 + largest / finest;
     let time = |k: usize| finest * (range.powf(k as f64 / steps as f64) - 1.0);
-    Ok((0..=steps).map(time).collect())
+    let times: Vec<f64> = (0..=steps).map(time).collect();
+    let increase = times.windows(2).all(|pair| pair[0] < pair[1]);
+    match increase && times[steps].is_finite() {
+        true => Ok(times),
+        false => Err(Error::Argument(format!(
+            "no {steps} steps of finite length lead from the finest scale, {finest:e}, to the \
+             largest, {largest:e}"
+        ))),
+    }
 }
 
 /// c and t_N relative to the area, as [`default_times`] takes them: from the skin to the largest
@@ -50,5 +59,19 @@ pub fn relative_scales(method: &Method) -> (f64, f64) {
         }
         Method::ConformalLaplace { .. } => (1.5e-5, 1e-2),
         Method::DirectionalTv { .. } | Method::Displacement { .. } => (1.5e-5, 1e-3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_without_steps_between_them_are_refused() {
+        for (finest, largest) in [(5e-324, 1e99), (1e-300, 1e100), (5e-324, 1e-323)] {
+            let error = graded_times(finest, largest, 8).unwrap_err();
+            assert!(error.to_string().starts_with("no 8 steps"), "{error}");
+        }
+        assert!(graded_times(1e-300, 1e-299, 8).is_ok());
     }
 }
