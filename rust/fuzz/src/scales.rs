@@ -1,0 +1,262 @@
+//! Decompositions by every method, and what is made of them.
+
+use arbitrary::{Arbitrary, Result, Unstructured};
+use ndarray::Array2;
+use spectral_tv::flow::Weights;
+use spectral_tv::mesh::TriangleMesh;
+use spectral_tv::method::{
+    AccuracyRequest, Base, Exaggeration, Method, Metric, Scheme, Settings, Steps, accuracy,
+    caricature, decompose,
+};
+use spectral_tv::monitor::Monitor;
+use spectral_tv::operators::positions;
+use spectral_tv::solver::Solver;
+use spectral_tv::spectral::even_edges;
+
+use crate::number::{number, numbers, times, tolerance};
+use crate::{assert_finite, largest, unless_refused};
+
+/// Rounding of sums, relative to the largest summand.
+const ROUNDING: f64 = 1e-12;
+
+/// A decomposition, its bands and a filter of it.
+#[derive(Debug, Arbitrary)]
+pub struct Decompose {
+    recipe: Recipe,
+    #[arbitrary(with = numbers)]
+    gains: Vec<f64>,
+    #[arbitrary(with = numbers)]
+    edges: Vec<f64>,
+}
+
+impl Decompose {
+    pub fn run(&self, mesh: &TriangleMesh) {
+        let settings = self.recipe.settings(mesh);
+        let Some(split) = unless_refused(decompose(mesh, &settings, Monitor::new().whole())) else {
+            return;
+        };
+        let components = split.component_times().len();
+        assert_eq!(split.spectrum().len(), components);
+        assert_finite("spectrum", split.spectrum());
+        let residual = split.residual();
+        assert_finite("residual", &residual);
+        let mut largest_part = largest(&residual);
+        let mut sum = residual;
+        if components > 0 {
+            let edges = even_edges(split.times(), components).expect("a band each");
+            for band in split.bands(&edges).expect("even edges increase") {
+                assert_finite("a band", &band);
+                largest_part = largest_part.max(largest(&band));
+                sum += &band;
+            }
+        }
+        let shape = positions(mesh);
+        let size = largest_part.max(largest(&shape)).max(base_size(&settings));
+        let error = largest(&(&sum - &shape));
+        assert!(error <= ROUNDING * size, "bands: {error:e} of {size:e}");
+        let whole = split.filter(&vec![1.0; components]).expect("all pass");
+        let error = largest(&(whole - shape));
+        assert!(error <= ROUNDING * size, "all-pass: {error:e} of {size:e}");
+        unless_refused(split.filter(&self.gains));
+        if let Some(bands) = unless_refused(split.bands(&self.edges)) {
+            bands.for_each(|band| assert_finite("a band", &band));
+        }
+    }
+}
+
+/// How large the coordinates of a given base are; what is measured from it is rounded likewise.
+fn base_size(settings: &Settings) -> f64 {
+    match &settings.method {
+        Method::DirectionalTv {
+            base: Base::Shape(base),
+            ..
+        } => largest(base),
+        _ => 0.0,
+    }
+}
+
+/// One filter for two shapes.
+#[derive(Debug, Arbitrary)]
+pub struct Caricature {
+    recipe: Recipe,
+    #[arbitrary(with = numbers)]
+    filter: Vec<f64>,
+}
+
+impl Caricature {
+    pub fn run(&self, mesh: &TriangleMesh) {
+        let filter =
+            |index: usize, default: f64| self.filter.get(index).map_or(default, |x| x.abs());
+        let filter = Exaggeration {
+            smooth: filter(0, 1e-4),
+            from: filter(1, 2e-4),
+            to: filter(2, 1e-3),
+            gain: filter(3, 3.0),
+        };
+        let settings = self.recipe.settings(mesh);
+        let stage = Monitor::new();
+        let meshes = [mesh, mesh];
+        let Some(shapes) = unless_refused(caricature(&meshes, &settings, &filter, stage.whole()))
+        else {
+            return;
+        };
+        let [first, second] = &shapes[..] else {
+            panic!("two meshes gave {} shapes", shapes.len());
+        };
+        assert_eq!(first, second);
+        if filter.gain < 1e50 {
+            assert_finite("caricature", first);
+        }
+    }
+}
+
+/// Errors for some numbers of steps.
+#[derive(Debug, Arbitrary)]
+pub struct Accuracy {
+    recipe: Recipe,
+    #[arbitrary(with = few_steps)]
+    steps: Vec<usize>,
+    bands: u8,
+    refinement: u8,
+    #[arbitrary(with = scales)]
+    scales: Option<(f64, f64)>,
+}
+
+impl Accuracy {
+    pub fn run(&self, mesh: &TriangleMesh) {
+        let request = AccuracyRequest {
+            settings: self.recipe.settings(mesh),
+            steps: self.steps.clone(),
+            scales: self.scales,
+            bands: usize::from(self.bands % 5),
+            refinement: usize::from(self.refinement % 4),
+        };
+        let outcome = accuracy(mesh, &request, Monitor::new().whole());
+        let Some(found) = unless_refused(outcome) else {
+            return;
+        };
+        assert_eq!(found.edges.len(), request.bands + 1);
+        for errors in [&found.ours, &found.paper] {
+            assert_finite("errors of bands", &errors.bands);
+            assert_finite("relative errors", &errors.relative);
+        }
+        assert_finite("all-pass errors", &found.ours.all_pass);
+    }
+}
+
+fn few_steps(input: &mut Unstructured) -> Result<Vec<usize>> {
+    let count = input.int_in_range(0..=2)?;
+    (0..count).map(|_| input.int_in_range(1..=6)).collect()
+}
+
+fn scales(input: &mut Unstructured) -> Result<Option<(f64, f64)>> {
+    match input.ratio(1, 4)? {
+        true => Ok(Some((number(input)?, number(input)?))),
+        false => Ok(None),
+    }
+}
+
+/// Settings, but for a base, which has to have as many vertices as the mesh.
+#[derive(Debug)]
+pub struct Recipe {
+    settings: Settings,
+    base: Option<Vec<f64>>,
+}
+
+impl Recipe {
+    /// Few plain steps of M2, fit for segments.
+    pub fn of_segments() -> Self {
+        let settings = Settings {
+            method: Method::ConformalLaplace { p: 3 },
+            times: None,
+            steps: Steps::Count(4),
+            scheme: Scheme::SemiImplicit(Weights::Extrapolated),
+            solver: Solver::Auto,
+        };
+        Self {
+            settings,
+            base: None,
+        }
+    }
+
+    /// The settings for `mesh`.
+    pub fn settings(&self, mesh: &TriangleMesh) -> Settings {
+        let mut settings = self.settings.clone();
+        if let (Method::DirectionalTv { base, .. } | Method::Displacement { base }, Some(moved)) =
+            (&mut settings.method, &self.base)
+        {
+            let mut shape: Array2<f64> = positions(mesh);
+            for (value, shift) in shape.iter_mut().zip(moved.iter().cycle()) {
+                *value += shift;
+            }
+            *base = Base::Shape(shape);
+        }
+        settings
+    }
+}
+
+impl<'a> Arbitrary<'a> for Recipe {
+    fn arbitrary(input: &mut Unstructured<'a>) -> Result<Self> {
+        let base = match input.int_in_range(0..=3)? {
+            0 => Base::ConformalFlow {
+                time: Some(number(input)?),
+                steps: Some(input.int_in_range(0..=3)?),
+            },
+            _ => Base::default(),
+        };
+        let method = match input.int_in_range(0..=6)? {
+            0 => Method::Heat,
+            1 => Method::Naive,
+            2 => Method::ShapeTv,
+            3 => Method::ConformalLaplace {
+                p: input.int_in_range(0..=4)?,
+            },
+            4 => Method::DirectionalTv {
+                base,
+                metric: *input.choose(&[Metric::Surface, Metric::Base])?,
+            },
+            5 => Method::LaplaceBeltrami {
+                eigenpairs: input.int_in_range(0..=40)?,
+            },
+            _ => Method::Displacement { base },
+        };
+        let times = match input.int_in_range(0..=3)? {
+            0 => Some(times(input)?),
+            _ => None,
+        };
+        let steps = match input.int_in_range(0..=15)? {
+            0 => Steps::Accuracy(input.int_in_range(-1..=3)? as f64 / 4.0),
+            _ => Steps::Count(input.int_in_range(0..=6)?),
+        };
+        let base = match input.int_in_range(0..=3)? {
+            0 => Some(numbers(input)?),
+            _ => None,
+        };
+        Ok(Self {
+            settings: Settings {
+                method,
+                times,
+                steps,
+                scheme: scheme(input)?,
+                solver: solver(input)?,
+            },
+            base,
+        })
+    }
+}
+
+/// Any scheme.
+pub fn scheme(input: &mut Unstructured) -> Result<Scheme> {
+    Ok(match input.int_in_range(0..=2)? {
+        0 => Scheme::SemiImplicit(Weights::Lagged),
+        1 => Scheme::SemiImplicit(Weights::Extrapolated),
+        _ => Scheme::Exact {
+            tolerance: tolerance(input)?,
+        },
+    })
+}
+
+/// Any solver.
+pub fn solver(input: &mut Unstructured) -> Result<Solver> {
+    Ok(*input.choose(&[Solver::Auto, Solver::Cholesky, Solver::Multigrid])?)
+}
