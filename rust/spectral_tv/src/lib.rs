@@ -9,8 +9,6 @@
 //! [`deformation`] stands beside the flows, on [`minimization`]; [`segmentation`] is of what
 //! [`method`] gives; [`eigenset`] tests sets by their [`flow`]; [`image`] flows pixels.
 
-#![forbid(unsafe_code)]
-
 pub mod deformation;
 pub mod eigenset;
 pub mod error;
