@@ -24,7 +24,7 @@ impl<'a> Arbitrary<'a> for Shape {
             shape.hurt(input)?;
         }
         let scale = match input.int_in_range(0..=7)? {
-            0 => 10_f64.powi(input.int_in_range(-60..=60)?),
+            0 => 10_f64.powi(input.int_in_range(-90..=60)?),
             1 | 2 => 10_f64.powi(input.int_in_range(-9..=7)?),
             _ => 1.0,
         };

@@ -3,12 +3,17 @@
 mod components;
 mod intrinsic;
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
 pub(crate) use components::connected_components;
 use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
 use rayon::prelude::*;
+
+/// The areas of surfaces that can be worked with, length²: in Heron's formula products of lengths
+/// lose no digits to underflow, and times of the order of the area are usable.
+const USABLE_AREAS: RangeInclusive<f64> = 1e-140..=1e100;
 
 /// A triangle mesh with V vertices and F triangles, and the metric g₀ of its shape.
 ///
@@ -37,7 +42,8 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// Names the first vertex that is not finite or triangle whose index is out of range; or
-    /// says that there are no triangles or that they span no area.
+    /// says that there are no triangles or that they span no area, or one below 1e-140 or
+    /// beyond 1e100.
     pub fn new(vertices: Vec<[f64; 3]>, triangles: &[[i64; 3]]) -> Result<Self> {
         check_vertices(&vertices)?;
         let triangles = check_triangles(triangles, vertices.len())?;
@@ -76,10 +82,13 @@ impl TriangleMesh {
             .map(|t| face_area(enlarged(triangles[t], lengths(t), enlargement)))
             .collect();
         let area = face_areas.iter().sum::<f64>();
-        if !(area > 0.0 && area.is_finite()) {
+        if !USABLE_AREAS.contains(&area) {
             return Err(Error::Unusable(format!(
-                "the {} triangles of the mesh span no area that can be measured ({area:e})",
-                triangles.len()
+                "the {} triangles of the mesh span no area that can be measured ({area:e}; from \
+                 {:e} to {:e} would do)",
+                triangles.len(),
+                USABLE_AREAS.start(),
+                USABLE_AREAS.end()
             )));
         }
         let vertex_areas = barycentric_areas(vertices.len(), &triangles, &face_areas);
@@ -253,5 +262,20 @@ mod tests {
     fn a_mesh_without_area_is_refused() {
         let error = TriangleMesh::new(vec![[1.0; 3]; 3], &[[0, 1, 2]]).unwrap_err();
         assert!(error.to_string().contains("span no area"));
+    }
+
+    #[test]
+    fn sizes_that_leave_no_digits_are_refused() {
+        let sized = |size: f64| {
+            let vertices = square().iter().map(|p| p.map(|x| size * x)).collect();
+            TriangleMesh::new(vertices, &[[0, 1, 2], [0, 2, 3]])
+        };
+        for size in [1e-80, 1e-71, 1e51, 1e80] {
+            let error = sized(size).unwrap_err().to_string();
+            assert!(error.ends_with("from 1e-140 to 1e100 would do)"), "{error}");
+        }
+        for size in [1e-69, 1e49] {
+            assert!((sized(size).unwrap().area() / (size * size) - 1.0).abs() < 1e-14);
+        }
     }
 }
