@@ -45,7 +45,7 @@ fuzz: $(WHEEL_STAMP)
 	$(BIN)/python -m pytest tests/fuzz --hypothesis-profile=long
 
 # Inputs that a fuzzer finds by the code they reach, for SECONDS. Needs a nightly compiler and
-# cargo-fuzz. There is no unsafe code to sanitize, and without it twice as many are tried.
+# cargo-fuzz. No code of ours is unsafe, for a sanitizer to watch.
 fuzz-library:
 	cargo +nightly fuzz run --fuzz-dir rust/fuzz --target-dir target/fuzz --sanitizer none \
 	  entry_points -- -max_total_time=$(SECONDS) -timeout=60 -max_len=2048
