@@ -53,9 +53,9 @@ class SPECTRAL_TV_OT_plot_values(
 
     def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Flow) -> str:
         table = curves.table(prepared.function, prepared.parts, result)
-        curves.write(obj, f"{prepared.function.source.name} Values", table)
-        if self.filepath:
+        if self.filepath:  # first, as it may be refused
             save(self.filepath, table.text())
+        curves.write(obj, f"{prepared.function.source.name} Values", table)
         kept = obj.data.spectral_tv
         count = len(table.names)
         return f"{count} curves in the text {kept.table.name!r} and the image {kept.picture.name!r}"

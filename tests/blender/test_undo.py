@@ -1,0 +1,167 @@
+"""Undo takes back what an operator did, all of it and nothing else; redo gives the same again."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from ball import ball
+from contents import contents
+from deform_scene import constrain, dumbbell_object, empty, handle
+
+SMALL = {"bands": 3, "steps": 8}
+
+
+def banded() -> bpy.types.Object:
+    obj = ball("Banded")
+    bpy.ops.spectral_tv.decompose(**SMALL)
+    obj.data.shape_keys.key_blocks[2].value = 0.5
+    return obj
+
+
+def pair() -> None:
+    """Two selected balls with bands, the active one with a filter."""
+    for name in ("Other", "Banded"):
+        obj = ball(name)
+        bpy.ops.spectral_tv.decompose(**SMALL)
+    obj.data.shape_keys.key_blocks[1].value = 2
+
+
+def held() -> bpy.types.Object:
+    """A dumbbell that has been pulled at."""
+    obj = dumbbell_object()
+    constrain(obj, "Feet", "PIN")
+    constrain(obj, "Head", "OBJECT", target=empty((0, 0, 2)))
+    handle(obj).location.x = 0.5
+    obj.spectral_tv.active = 1
+    bpy.context.view_layer.update()
+    return obj
+
+
+def plotted() -> None:
+    ball("Ball")
+    bpy.ops.spectral_tv.plot_values(kind="GROUP", source="Cap", steps=4)
+
+
+def photo() -> None:
+    """An image of noise, and no object."""
+    image = bpy.data.images.new("Photo", 16, 12)
+    image.pixels.foreach_set(np.random.default_rng(0).random(16 * 12 * 4).astype(np.float32))
+    image.pack()
+
+
+# For every operator what there is before, and its arguments.
+CASES = {
+    "add_curve": (banded, {}),
+    "apply_curve": (banded, {}),
+    "bake": (banded, {}),
+    "bake_deformation": (held, {"frame_end": 3}),
+    "caricature": (lambda: (ball("One"), ball("Two")), {"bands": 3, "steps": 8, "last": 3}),
+    "constraint_add": (dumbbell_object, {"kind": "OBJECT"}),
+    "constraint_remove": (held, {}),
+    "constraint_rest": (held, {}),
+    "copy_filter": (pair, {}),
+    "cosegment": (lambda: ball("Ball"), {"segments": 3, "steps": 8}),
+    "cut": (banded, {"bands": 2}),
+    "decompose": (lambda: ball("Ball"), SMALL),
+    "deform": (held, {}),
+    "filter": (banded, {}),
+    "filter_image": (photo, {"image": "Photo", "result": "BANDS", **SMALL}),
+    "flow_attribute": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
+    "keyframe": (banded, {}),
+    "measure_accuracy": (banded, {"bands": 2, "steps": 8}),
+    "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
+    "solo": (banded, {"band": 2}),
+    "take_bands": (pair, {"first": 1, "last": 2}),
+    "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),
+}
+# Those that change nothing in the file.
+WITHOUT_STEP = {"cancel", "export_values"}
+# What can be done in a window alone; tests/window does it.
+IN_WINDOWS = {"cancel", "deform_live"}
+
+
+@pytest.fixture(autouse=True)
+def _nothing_left():
+    yield
+    bpy.data.batch_remove([*bpy.data.images, *bpy.data.texts, *bpy.data.node_groups])
+
+
+def test_every_operator_has_its_case():
+    operators = set(dir(bpy.ops.spectral_tv))
+    assert operators == CASES.keys() | WITHOUT_STEP | IN_WINDOWS
+    for name in operators:
+        options = getattr(bpy.ops.spectral_tv, name).bl_options
+        assert ("UNDO" in options) == (name not in WITHOUT_STEP), name
+
+
+def run(name: str, arguments: dict) -> None:
+    """Run an operator as a button does, which makes its own step of undo."""
+    operator = getattr(bpy.ops.spectral_tv, name)
+    assert operator("EXEC_DEFAULT", True, **arguments) == {"FINISHED"}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_one_step_takes_all_of_it_back(name):
+    prepare, arguments = CASES[name]
+    prepare()
+    bpy.ops.ed.undo_push(message="before")
+    before = contents()
+    run(name, arguments)
+    after = contents()
+    if name != "test_eigenset":
+        assert after != before
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert contents() == before
+        bpy.ops.ed.redo()
+        assert contents() == after
+    bpy.ops.ed.undo()
+    run(name, arguments)  # as Adjust Last Operation does
+    assert contents() == after
+
+
+def test_constraints_made_in_edit_mode_are_undone_there():
+    body = dumbbell_object()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.ed.undo_push(message="before")
+    before = contents()
+    run("constraint_add", {"kind": "OBJECT"})
+    after = contents()
+    assert len(after[f"object {body.name}"]["groups"]) == 3
+    bpy.ops.ed.undo()
+    assert contents() == before
+    bpy.ops.ed.redo()
+    assert contents() == after
+    assert bpy.context.object.mode == "EDIT"
+
+
+def test_a_refused_operator_leaves_nothing_and_takes_no_step():
+    banded()
+    bpy.ops.ed.undo_push(message="before")
+    bpy.context.object.data.shape_keys.key_blocks[1].value = 0.75
+    bpy.ops.ed.undo_push(message="value")
+    before = contents()
+    for name, arguments in (
+        ("decompose", {"bands": 9, "steps": 8}),
+        ("cut", {"bands": 30}),
+        ("take_bands", {}),
+        ("copy_filter", {}),
+        ("flow_attribute", {"kind": "KEY", "source": "Nothing"}),
+        ("measure_accuracy", {"bands": 9, "steps": 8}),
+        ("cosegment", {"outputs": set()}),
+        ("test_eigenset", {"group": "Nothing"}),
+        (
+            "plot_values",
+            {"kind": "GROUP", "source": "Cap", "steps": 4, "filepath": "/nowhere/values.csv"},
+        ),
+    ):
+        try:
+            status = getattr(bpy.ops.spectral_tv, name)("EXEC_DEFAULT", True, **arguments)
+        except RuntimeError:
+            status = {"CANCELLED"}
+        assert status == {"CANCELLED"}, name
+        assert contents() == before, name
+    bpy.ops.ed.undo()
+    assert bpy.context.object.data.shape_keys.key_blocks[1].value == 0

@@ -1,0 +1,100 @@
+"""What a file holds, as values that can be compared: for tests that nothing else changes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+
+# Of every type of attribute: where its data are.
+FIELDS = {
+    "FLOAT": "value",
+    "INT": "value",
+    "INT8": "value",
+    "BOOLEAN": "value",
+    "FLOAT2": "vector",
+    "INT32_2D": "value",
+    "FLOAT_VECTOR": "vector",
+    "FLOAT_COLOR": "color",
+    "BYTE_COLOR": "color",
+}
+
+
+def contents() -> dict[str, Any]:
+    """All that operators of the extension may touch, by data-block."""
+    found: dict[str, Any] = {}
+    for obj in bpy.data.objects:
+        found[f"object {obj.name}"] = _object(obj)
+    for mesh in bpy.data.meshes:
+        found[f"mesh {mesh.name}"] = _mesh(mesh)
+    for image in bpy.data.images:
+        found[f"image {image.name}"] = (*image.size, _flat(image.pixels, None, len(image.pixels)))
+    for text in bpy.data.texts:
+        found[f"text {text.name}"] = text.as_string()
+    for group in bpy.data.node_groups:
+        found[f"nodes {group.name}"] = [node.name for node in group.nodes]
+    return found
+
+
+def _object(obj: bpy.types.Object) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "data": obj.data and obj.data.name,
+        "matrix": [tuple(row) for row in obj.matrix_basis],
+        "deformation": values(obj.spectral_tv),
+    }
+    if obj.type == "MESH":
+        found["active key"] = obj.active_shape_key_index
+        found["groups"] = [group.name for group in obj.vertex_groups]
+    return found
+
+
+def _mesh(mesh: bpy.types.Mesh) -> dict[str, Any]:
+    """Its vertices, faces, weights, attributes, shape keys and what the extension remembers."""
+    found: dict[str, Any] = {
+        "co": _flat(mesh.vertices, "co", 3 * len(mesh.vertices)),
+        "corners": _flat(mesh.loops, "vertex_index", len(mesh.loops)),
+        "weights": [[(g.group, g.weight) for g in v.groups] for v in mesh.vertices if v.groups],
+        "active color": mesh.color_attributes.active_color_index,
+        "remembered": values(mesh.spectral_tv),
+    }
+    for attribute in mesh.attributes:
+        field = FIELDS[attribute.data_type]
+        data = [getattr(item, field) for item in attribute.data]
+        found[f"attribute {attribute.name}"] = np.array(data).tobytes()
+    keys = mesh.shape_keys
+    if keys is not None:
+        found["bands"] = values(keys.spectral_tv)
+        action = keys.animation_data and keys.animation_data.action
+        found["action"] = action and action.name
+        for key in keys.key_blocks:
+            found[f"key {key.name}"] = (
+                _flat(key.data, "co", 3 * len(key.data)),
+                (key.value, key.mute, key.vertex_group, key.slider_min, key.slider_max),
+            )
+    return found
+
+
+def values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
+    """The properties of a group and of the groups in it, but for arbitrary identifiers."""
+    found = {}
+    for name, declared in group.bl_rna.properties.items():
+        if name in ("rna_type", "bl_rna", "identifier"):
+            continue
+        value = getattr(group, name)
+        if declared.type == "COLLECTION":
+            found[name] = [values(each) for each in value]
+        elif declared.type == "POINTER":
+            found[name] = value and value.name
+        else:
+            found[name] = tuple(value) if getattr(declared, "is_array", False) else value
+    return found
+
+
+def _flat(data: Any, field: str | None, count: int) -> bytes:
+    flat = np.empty(count, dtype=np.int32 if field == "vertex_index" else np.float32)
+    if field is None:
+        data.foreach_get(flat)
+    else:
+        data.foreach_get(field, flat)
+    return flat.tobytes()
