@@ -12,10 +12,12 @@ def is_mesh(obj: bpy.types.Object | None) -> bool:
     return obj is not None and obj.type == "MESH"
 
 
-def refusal(obj: bpy.types.Object | None, edit_mode: bool = False) -> str | None:
+def refusal(
+    obj: bpy.types.Object | None, edit_mode: bool = False, override: bool = False
+) -> str | None:
     """Why ``obj`` cannot be worked on, in a sentence for the user; None if it can.
 
-    Edit Mode is a reason unless ``edit_mode`` allows it.
+    Edit Mode is a reason unless ``edit_mode`` allows it, a library override unless ``override``.
     """
     if obj is None:
         return "There is no active object"
@@ -23,8 +25,16 @@ def refusal(obj: bpy.types.Object | None, edit_mode: bool = False) -> str | None
         return "The active object is not a mesh"
     if obj.mode == "EDIT" and not edit_mode:
         return "Leave Edit Mode first"
+    # What is written meanwhile is overwritten in the end.
+    if obj.data.is_editmode and obj.mode != "EDIT":
+        return "The mesh is in Edit Mode as that of another object; leave that first"
+    if obj.use_dynamic_topology_sculpting:
+        return "Turn Dyntopo off first"
     if obj.library is not None or obj.data.library is not None:
         return "The mesh is linked from another file; make it local first"
+    # Files keep changed values of an override, but neither shape keys nor lists that were added.
+    if (obj.override_library or obj.data.override_library) and not override:
+        return "The object overrides one of another file; make it local first"
     if len(obj.data.polygons) == 0:
         return "The mesh has no faces"
     keys = obj.data.shape_keys

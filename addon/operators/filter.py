@@ -10,11 +10,14 @@ from ..objects import Refusal, refusal
 from ..records import band_keys, record_of, topology_changed
 
 
-def bands_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Why there are no bands to set, in a sentence for the user; None if there are."""
+def bands_refusal(obj: bpy.types.Object | None, override: bool = True) -> str | None:
+    """Why there are no bands to set, in a sentence for the user; None if there are.
+
+    A library override is a reason unless ``override`` allows it.
+    """
     if record_of(obj) is None:
         return "The active object has no bands; decompose it first"
-    reason = refusal(obj)
+    reason = refusal(obj, override=override)
     if reason is None and topology_changed(obj):
         reason = "Vertices or faces changed since; decompose the mesh again"
     return reason
@@ -25,9 +28,12 @@ class BandsOperator:
 
     bl_options = {"REGISTER", "UNDO"}
 
+    # Whether shape keys come or go: on a library override that would not be saved, values are.
+    changes_keys = False
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        reason = bands_refusal(context.active_object)
+        reason = bands_refusal(context.active_object, override=not cls.changes_keys)
         if reason is not None:
             cls.poll_message_set(reason)
         return reason is None
@@ -121,6 +127,7 @@ class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.bake"
     bl_label = "Bake Mix"
+    changes_keys = True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.active_object
@@ -169,6 +176,7 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.cut"
     bl_label = "Cut Again"
+    changes_keys = True
 
     bands: IntProperty(name="Bands", default=5, min=1, max=32)
 

@@ -17,6 +17,7 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.take_bands"
     bl_label = "Take Bands from Selected"
+    changes_keys = True
 
     first: IntProperty(name="From", description="First band; 1 is the finest", default=1, min=1)
     last: IntProperty(name="To", description="Last band; 1 is the finest", default=2, min=1)
