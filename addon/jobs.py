@@ -75,7 +75,7 @@ class Chain:
         return self._job.result()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Running:
     """A job under way, and the name and state of what it is of from when it was started."""
 
@@ -88,10 +88,11 @@ class Running:
 _running: Running | None = None
 
 
-def start(job: spectral_tv.Job | Chain, name: str, state: str, message: str) -> None:
+def start(job: spectral_tv.Job | Chain, name: str, state: str, message: str) -> Running:
     """Take a job over; it is cancelled when Blender loads a file or disables the extension."""
     global _running  # noqa: PLW0603
     _running = Running(job, name, state, message)
+    return _running
 
 
 def running() -> Running | None:

@@ -33,7 +33,7 @@ class LiveDeformation:
         Raises Refusal or spectral_tv.MeshError if the object can no longer be deformed.
         """
         obj = bpy.data.objects.get(self._name)
-        reason = refusal(obj)
+        reason = "it was removed or renamed" if obj is None else refusal(obj)
         if reason is not None:
             raise Refusal(reason)
         if _counts(obj) != self._counts:

@@ -7,17 +7,17 @@ from typing import Any
 import bpy
 import numpy as np
 
-# Of every type of attribute: where its data are.
-FIELDS = {
-    "FLOAT": "value",
-    "INT": "value",
-    "INT8": "value",
-    "BOOLEAN": "value",
-    "FLOAT2": "vector",
-    "INT32_2D": "value",
-    "FLOAT_VECTOR": "vector",
-    "FLOAT_COLOR": "color",
-    "BYTE_COLOR": "color",
+# Of every type of attribute: where its data are, how many, and their dtype.
+TYPES = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int8),
+    "BOOLEAN": ("value", 1, bool),
+    "FLOAT2": ("vector", 2, np.float32),
+    "INT32_2D": ("value", 2, np.int32),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
 }
 
 
@@ -26,14 +26,26 @@ def contents() -> dict[str, Any]:
     found: dict[str, Any] = {}
     for obj in bpy.data.objects:
         found[f"object {obj.name}"] = _object(obj)
-    for mesh in bpy.data.meshes:
+    for mesh in [mesh for mesh in bpy.data.meshes if mesh.users]:  # others are not saved
         found[f"mesh {mesh.name}"] = _mesh(mesh)
-    for image in bpy.data.images:
+    for image in [image for image in bpy.data.images if image.source != "VIEWER"]:
         found[f"image {image.name}"] = (*image.size, _flat(image.pixels, None, len(image.pixels)))
     for text in bpy.data.texts:
         found[f"text {text.name}"] = text.as_string()
     for group in bpy.data.node_groups:
         found[f"nodes {group.name}"] = [node.name for node in group.nodes]
+    return found
+
+
+def differences(before: dict[str, Any], after: dict[str, Any]) -> list[str]:
+    """Names of what is not the same."""
+    found = []
+    for name in sorted(before.keys() | after.keys()):
+        one, other = before.get(name), after.get(name)
+        if isinstance(one, dict) and isinstance(other, dict):
+            found += [f"{name}: {each}" for each in differences(one, other)]
+        elif one != other:
+            found.append(name)
     return found
 
 
@@ -53,15 +65,15 @@ def _mesh(mesh: bpy.types.Mesh) -> dict[str, Any]:
     """Its vertices, faces, weights, attributes, shape keys and what the extension remembers."""
     found: dict[str, Any] = {
         "co": _flat(mesh.vertices, "co", 3 * len(mesh.vertices)),
-        "corners": _flat(mesh.loops, "vertex_index", len(mesh.loops)),
+        "corners": _flat(mesh.loops, "vertex_index", len(mesh.loops), np.int32),
         "weights": [[(g.group, g.weight) for g in v.groups] for v in mesh.vertices if v.groups],
         "active color": mesh.color_attributes.active_color_index,
         "remembered": values(mesh.spectral_tv),
     }
     for attribute in mesh.attributes:
-        field = FIELDS[attribute.data_type]
-        data = [getattr(item, field) for item in attribute.data]
-        found[f"attribute {attribute.name}"] = np.array(data).tobytes()
+        field, channels, dtype = TYPES[attribute.data_type]
+        count = channels * len(attribute.data)
+        found[f"attribute {attribute.name}"] = _flat(attribute.data, field, count, dtype)
     keys = mesh.shape_keys
     if keys is not None:
         found["bands"] = values(keys.spectral_tv)
@@ -91,8 +103,8 @@ def values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
     return found
 
 
-def _flat(data: Any, field: str | None, count: int) -> bytes:
-    flat = np.empty(count, dtype=np.int32 if field == "vertex_index" else np.float32)
+def _flat(data: Any, field: str | None, count: int, dtype: type = np.float32) -> bytes:
+    flat = np.empty(count, dtype=dtype)
     if field is None:
         data.foreach_get(flat)
     else:

@@ -116,8 +116,8 @@ def _write_group(obj: bpy.types.Object, name: str, wanted: str, weights: np.ndar
 
 
 def _write_key(obj: bpy.types.Object, name: str, wanted: str, displacement: np.ndarray) -> str:
-    keys = obj.data.shape_keys.key_blocks
-    key = keys.get(name) if name else None
+    keys = obj.data.shape_keys  # none, where they were removed during the work
+    key = keys.key_blocks.get(name) if keys is not None and name else None
     if key is None:
         (key,) = add_displacements(obj, [wanted], displacement[np.newaxis])
     else:

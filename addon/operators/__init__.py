@@ -4,6 +4,7 @@ import bpy
 
 from . import (
     _job,
+    _timers,
     accuracy,
     attributes,
     bake_deformation,
@@ -38,6 +39,12 @@ _FILES = (
     image,
 )
 
-register, unregister = bpy.utils.register_classes_factory(
+register, _unregister = bpy.utils.register_classes_factory(
     [cls for file in _FILES for cls in file.CLASSES]
 )
+
+
+def unregister() -> None:
+    """Unregister them, with what those that still run leave behind."""
+    _timers.remove_all()
+    _unregister()

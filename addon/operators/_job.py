@@ -8,6 +8,7 @@ import spectral_tv
 
 from .. import jobs
 from ..objects import Refusal, refusal
+from . import _timers
 from ._progress import cursor_progress, redraw_sidebars
 
 # Seconds between two looks at the job; Esc is an event of its own and does not wait for them.
@@ -114,26 +115,26 @@ class JobOperator:
             if result is not None:
                 return self._finish(obj, prepared, result)
             message = f"{self.working} {obj.name}"
-            jobs.start(self.start(prepared), obj.name, self.state(obj), message)
+            self._mine = jobs.start(self.start(prepared), obj.name, self.state(obj), message)
         except (spectral_tv.MeshError, Refusal) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}" if obj is not None else str(error))
             return {"CANCELLED"}
         self._prepared = prepared
         manager = context.window_manager
         manager.spectral_tv.progress = 0
-        self._timer = manager.event_timer_add(POLL, window=context.window)
+        self._timer = _timers.add(context, POLL)
         manager.modal_handler_add(self)
         redraw_sidebars(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        running = jobs.running()
+        running = self._mine
+        if jobs.running() is not running:  # ended by the button; another may run already
+            self.cancel(context)
+            return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
             self.cancel(context)
             self.report({"INFO"}, "Cancelled; nothing was changed")
-            return {"CANCELLED"}
-        if running is None:  # by the button, or by loading a file
-            self.cancel(context)
             return {"CANCELLED"}
         if event.type == "TIMER":
             state, progress = context.window_manager.spectral_tv, running.job.progress
@@ -146,28 +147,34 @@ class JobOperator:
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Leave nothing behind; Blender calls it too when it ends the operator itself."""
-        jobs.finish()
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
+        if jobs.running() is self._mine:
+            jobs.finish()
+        _timers.remove(self._timer)
+        # Blender keeps the last operators, for Adjust Last Operation; what they held is large.
+        self._mine = self._prepared = None
         redraw_sidebars(context)
-
-    _timer = None
 
     def _collect(self, context: bpy.types.Context, running: jobs.Running) -> set[str]:
         """Write the result of a finished job, if its object is still what it was."""
+        prepared = self._prepared
         self.cancel(context)
         obj = self.find(running.name)
-        if self.unusable(obj) is not None or self.state(obj) != running.state:
-            message = "changed in the meantime; nothing was written"
-            self.report({"WARNING"}, f"{running.name}: {message}")
+        reason = None
+        if obj is None:
+            reason = "as it was removed or renamed in the meantime"
+        elif self.unusable(obj) is not None:
+            reason = f"as it cannot be now. {self.unusable(obj)}"
+        elif self.state(obj) != running.state:
+            reason = "as it changed in the meantime"
+        if reason is not None:
+            self.report({"WARNING"}, f"{running.name}: nothing was written, {reason}")
             return {"CANCELLED"}
         try:
             result = running.job.result()
         except (spectral_tv.MeshError, RuntimeError) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
-        return self._finish(obj, self._prepared, result)
+        return self._finish(obj, prepared, result)
 
     def _finish(self, obj: bpy.types.Object, prepared: Any, result: Any) -> set[str]:
         try:

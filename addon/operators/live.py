@@ -6,6 +6,7 @@ import spectral_tv
 from .. import jobs
 from ..live import LiveDeformation
 from ..objects import Refusal
+from . import _timers
 from ._progress import redraw_sidebars
 from .deform import deform_refusal
 
@@ -23,7 +24,6 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
 
     # The one that runs; pressing the button again ends it.
     _running: "SPECTRAL_TV_OT_deform_live | None" = None
-    _timer = None
 
     @classmethod
     def is_running(cls) -> bool:
@@ -61,7 +61,7 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
             return {"CANCELLED"}
         self.should_end = False
         cls._running = self
-        self._timer = context.window_manager.event_timer_add(POLL, window=context.window)
+        self._timer = _timers.add(context, POLL)
         context.window_manager.modal_handler_add(self)
         redraw_sidebars(context)
         return {"RUNNING_MODAL"}
@@ -85,16 +85,18 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
     def cancel(self, context: bpy.types.Context) -> None:
         """Leave the shape as it is; Blender calls it too when it ends the operator itself."""
         self._live.stop()
+        self._live = None  # Blender keeps the last operators
         if type(self)._running is self:
             type(self)._running = None
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
+        _timers.remove(self._timer)
         redraw_sidebars(context)
 
 
 def end() -> None:
     """End what runs: a file is loaded, or the extension is disabled."""
+    running = SPECTRAL_TV_OT_deform_live._running
+    if running is not None:
+        running._live.stop()
     SPECTRAL_TV_OT_deform_live._running = None
 
 

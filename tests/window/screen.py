@@ -12,6 +12,7 @@ import sys
 import time
 import traceback
 from collections.abc import Callable, Generator, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TypeVar
 
@@ -40,7 +41,7 @@ def run(steps: Iterator[float]) -> None:
             finally:
                 os._exit(1)
 
-    bpy.app.timers.register(tick, first_interval=1)
+    bpy.app.timers.register(tick, first_interval=1, persistent=True)
 
 
 def until(condition: Callable[[], bool], what: str) -> Steps[None]:
@@ -117,6 +118,27 @@ def find(text: str, column: float = 0.5) -> Steps[tuple[int, int]]:
                     return x, y
             seen.add(_under_mouse(sidebar))
     raise AssertionError(f"the sidebar has no {text}, but {sorted(seen)}")
+
+
+def in_view(window: bpy.types.Window | None = None) -> AbstractContextManager:
+    """Context of the 3D view of a window, the first one if none is given, as for its buttons."""
+    window = window or _window()
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    view = next(region for region in area.regions if region.type == "WINDOW")
+    return bpy.context.temp_override(window=window, area=area, region=view)
+
+
+def told() -> Steps[str]:
+    """Return all messages so far, as the Info editor shows them."""
+    area = next(area for area in _window().screen.areas if area.type != "VIEW_3D")
+    former, area.type = area.type, "INFO"
+    yield 0.1
+    view = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=_window(), area=area, region=view):
+        bpy.ops.info.select_all(action="SELECT")
+        bpy.ops.info.report_copy()
+    area.type = former
+    return bpy.context.window_manager.clipboard
 
 
 def xdotool(*arguments: str | int) -> None:
