@@ -7,9 +7,9 @@ import numpy as np
 from shapes import icosphere
 
 
-def ball(name: str) -> bpy.types.Object:
+def ball(name: str, detail: int = 2) -> bpy.types.Object:
     """A selected ball with the vertex group Cap, the active object."""
-    vertices, faces = icosphere(2)
+    vertices, faces = icosphere(detail)
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata((vertices * [1, 1.2, 1.5]).tolist(), [], faces.tolist())
     obj = bpy.data.objects.new(name, mesh)
