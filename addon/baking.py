@@ -52,6 +52,8 @@ def write(
     play_in_turn(obj, keys, frames)
     for key in keys:
         deformation_of(obj).baked.add().name = key.name
+    scene = bpy.context.scene
+    scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # the shape of this frame
     return f"{len(keys)} frames baked"
 
 

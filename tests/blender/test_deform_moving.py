@@ -25,6 +25,8 @@ def test_baking_gives_each_frame_its_shape(held):
             "FINISHED"
         }
     assert scene.frame_current == 4
+    values = [key.value for key in held.data.shape_keys.key_blocks[1:]]
+    np.testing.assert_allclose(values, [0.25, 0.75, 0], atol=1e-6)
     names = [key.name for key in held.data.shape_keys.key_blocks]
     assert names == ["Basis", "Deformation 1", "Deformation 5", "Deformation 9"]
     shapes = {}
