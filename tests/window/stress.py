@@ -42,9 +42,24 @@ LONG_WORK = (
     ("plot_values", {"kind": "GROUP", "source": "Half", "steps": ENDLESS}),
 )
 
+# One for every operator that runs a job.
+SHORT_WORK = {
+    "bake_deformation": {"frame_end": 3},
+    "caricature": {"steps": FEW},
+    "cosegment": {"steps": FEW},
+    "decompose": {"steps": FEW},
+    "deform": {},
+    "filter_image": {"image": "Photo", "steps": FEW},
+    "flow_attribute": {"kind": "GROUP", "source": "Half", "steps": FEW},
+    "measure_accuracy": {"bands": 3, "steps": FEW},
+    "plot_values": {"kind": "GROUP", "source": "Half", "steps": FEW},
+    "test_eigenset": {"group": "Cap"},
+}
+
 
 def stress() -> Steps[None]:
     yield 1
+    yield from undo_every_job()
     yield from cancel_at_random_moments()
     yield from change_it_meanwhile()
     yield from live()
@@ -55,6 +70,31 @@ def stress() -> Steps[None]:
     yield from picture("stressed")
     (PICTURES / "stress.passed").touch()
     bpy.ops.wm.quit_blender()
+
+
+def undo_every_job() -> Steps[None]:
+    """Of each operator that runs a job, Ctrl-Z takes back what came of it, and no more."""
+    kinds = sys.modules[f"{MODULE}.operators._job"].JobOperator.__subclasses__()
+    assert {kind.bl_idname.removeprefix("spectral_tv.") for kind in kinds} == SHORT_WORK.keys()
+    precious()
+    for group, kind in (("Eye", "PIN"), ("Ear", "OBJECT")):
+        bpy.context.object.vertex_groups.active = bpy.context.object.vertex_groups[group]
+        start("constraint_add", kind=kind)
+    bpy.context.object.spectral_tv.constraints[1].target.location.x += 0.5
+    bpy.data.images.new("Photo", 16, 16).pixels[0] = 0.5
+    bpy.ops.ed.undo_push(message="Ready")
+    before = contents()
+    yield from move(*centre(region("WINDOW")))
+    for name, arguments in SHORT_WORK.items():
+        start(name, **arguments)
+        yield from all_ended()
+        after = contents()
+        assert after != before, name
+        yield from key("ctrl+z")
+        unchanged(before)
+        yield from key("ctrl+shift+z")
+        unchanged(after)
+        yield from key("ctrl+z")
 
 
 def cancel_at_random_moments() -> Steps[None]:
@@ -158,12 +198,12 @@ def live() -> Steps[None]:
     yield from all_ended()
 
 
-def start_another_at_once() -> Steps[None]:
+def start_another_at_once(window: bpy.types.Window | None = None) -> Steps[None]:
     """What was cancelled takes no notice of what comes next."""
     obj = precious()
     start("decompose", method="M2", steps=ENDLESS)
     bpy.ops.spectral_tv.cancel()
-    start("decompose", method="M1", steps=FEW)
+    start("decompose", window, method="M1", steps=FEW)
     yield from all_ended()
     assert [name for name in keys(obj) if "Band" in name] == [
         f"M1 Band {band}" for band in range(1, 6)
@@ -172,7 +212,6 @@ def start_another_at_once() -> Steps[None]:
 
 def two_windows() -> Steps[None]:
     """One job at a time, whichever window it is of; it ends with its window."""
-    obj = precious()
     with in_view():
         bpy.ops.wm.window_new()
     yield 1
@@ -180,6 +219,8 @@ def two_windows() -> Steps[None]:
     if not any(area.type == "VIEW_3D" for area in second.screen.areas):
         second.screen.areas[0].type = "VIEW_3D"
         yield 0.2
+    yield from start_another_at_once(second)
+    obj = precious()
     start("decompose", second, steps=ENDLESS)
     with in_view():
         assert not bpy.ops.spectral_tv.decompose.poll()
@@ -264,6 +305,9 @@ def precious(subdivisions: int = 1) -> bpy.types.Object:
     obj = new_monkey(subdivisions)
     obj.vertex_groups.new(name="Half").add(range(len(obj.data.vertices) // 2), 0.5, "REPLACE")
     obj.vertex_groups.new(name="Eye").add([len(obj.data.vertices) - 1], 1.0, "REPLACE")
+    obj.vertex_groups.new(name="Ear").add([0], 1.0, "REPLACE")
+    cap = [vertex.index for vertex in obj.data.vertices if vertex.co.z > 0.5]
+    obj.vertex_groups.new(name="Cap").add(cap, 1.0, "REPLACE")
     obj.shape_key_add(name="Basis")
     bpy.ops.ed.undo_push(message="Basis")
     obj.shape_key_add(name="Smile").data[3].co.x += 0.25
