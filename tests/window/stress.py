@@ -9,7 +9,7 @@ import random
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -18,43 +18,27 @@ import bpy
 sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parent))
 
+import changes
 from contents import contents, differences
 from deform import new_dumbbell
 from pictures import activate, new_monkey
 from screen import PICTURES, Steps, centre, in_view, key, move, picture, region, run, told, until
+from work import (
+    ENDLESS,
+    FEW,
+    LONG_WORK,
+    SHORT_WORK,
+    all_ended,
+    is_running,
+    megabytes,
+    start,
+    workers,
+)
 
 MODULE = "bl_ext.user_default.spectral_tv"
 CANCELLATIONS = 100
 # Megabytes that Blender itself may come to need during these; each job takes more than five.
 NOISE = 60
-# Steps of work that outlasts every wait, and of work that is soon done.
-ENDLESS, FEW = 1000, 8
-# What is cancelled at random moments.
-LONG_WORK = (
-    ("decompose", {"method": "M1", "steps": ENDLESS}),
-    ("decompose", {"method": "M2", "steps": ENDLESS}),
-    ("decompose", {"method": "M3", "steps": ENDLESS}),
-    ("decompose", {"method": "LB", "steps": ENDLESS, "eigenpairs": 3000}),
-    ("measure_accuracy", {"steps": ENDLESS}),
-    ("caricature", {"steps": ENDLESS}),
-    ("cosegment", {"steps": ENDLESS}),
-    ("flow_attribute", {"kind": "GROUP", "source": "Half", "steps": ENDLESS}),
-    ("plot_values", {"kind": "GROUP", "source": "Half", "steps": ENDLESS}),
-)
-
-# One for every operator that runs a job.
-SHORT_WORK = {
-    "bake_deformation": {"frame_end": 3},
-    "caricature": {"steps": FEW},
-    "cosegment": {"steps": FEW},
-    "decompose": {"steps": FEW},
-    "deform": {},
-    "filter_image": {"image": "Photo", "steps": FEW},
-    "flow_attribute": {"kind": "GROUP", "source": "Half", "steps": FEW},
-    "measure_accuracy": {"bands": 3, "steps": FEW},
-    "plot_values": {"kind": "GROUP", "source": "Half", "steps": FEW},
-    "test_eigenset": {"group": "Cap"},
-}
 
 
 def stress() -> Steps[None]:
@@ -125,16 +109,16 @@ def change_it_meanwhile() -> Steps[None]:
     """A result that no longer fits is not written, and the user is told why."""
     expected: Counter[str] = Counter()
     for change, reason in (
-        (delete, "removed or renamed in the meantime"),
-        (rename, "removed or renamed in the meantime"),
-        (edit, "as it changed in the meantime"),
-        (move_a_vertex, "as it changed in the meantime"),
-        (exchange_the_mesh, "as it changed in the meantime"),
-        (undo, "as it changed in the meantime"),
-        (enter_edit_mode, "Leave Edit Mode first"),
-        (enter_edit_mode_by_a_twin, "in Edit Mode as that of another object"),
-        (turn_dyntopo_on, "Turn Dyntopo off first"),
-        (make_keys_absolute, "relative ones are needed"),
+        (changes.delete, "removed or renamed in the meantime"),
+        (changes.rename, "removed or renamed in the meantime"),
+        (changes.edit, "as it changed in the meantime"),
+        (changes.move_a_vertex, "as it changed in the meantime"),
+        (changes.exchange_the_mesh, "as it changed in the meantime"),
+        (changes.undo, "as it changed in the meantime"),
+        (changes.enter_edit_mode, "Leave Edit Mode first"),
+        (changes.enter_edit_mode_by_a_twin, "in Edit Mode as that of another object"),
+        (changes.turn_dyntopo_on, "Turn Dyntopo off first"),
+        (changes.make_keys_absolute, "relative ones are needed"),
     ):
         obj = precious()
         start("decompose", steps=FEW)
@@ -146,7 +130,13 @@ def change_it_meanwhile() -> Steps[None]:
         unchanged(changed)
         if bpy.context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-    for change in (add_a_key, remove_the_keys, remove_the_groups, sculpt, another_scene):
+    for change in (
+        changes.add_a_key,
+        changes.remove_the_keys,
+        changes.remove_the_groups,
+        changes.sculpt,
+        changes.another_scene,
+    ):
         obj = precious()
         name = obj.name
         for work, arguments in (
@@ -156,11 +146,11 @@ def change_it_meanwhile() -> Steps[None]:
             if "Smile" not in keys(obj) and work == "flow_attribute":
                 continue
             start(work, **arguments)
-            if work == "decompose" or change is remove_the_keys:
+            if work == "decompose" or change is changes.remove_the_keys:
                 change(obj)
             yield from all_ended()
             obj = bpy.data.objects[name]
-        assert "M1 Band 5" in keys(obj) or change is remove_the_keys, change.__name__
+        assert "M1 Band 5" in keys(obj) or change is changes.remove_the_keys, change.__name__
         if bpy.context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -185,9 +175,9 @@ def live() -> Steps[None]:
         yield from key("ctrl+shift+z")
         unchanged(after)
     for change, reason in (
-        (enter_edit_mode, "no longer live: Leave Edit Mode first"),
-        (edit, "no longer live: its vertices or faces changed"),
-        (delete, "no longer live: it was removed or renamed"),
+        (changes.enter_edit_mode, "no longer live: Leave Edit Mode first"),
+        (changes.edit, "no longer live: its vertices or faces changed"),
+        (changes.delete, "no longer live: it was removed or renamed"),
     ):
         yield from drag_live()
         change(bpy.data.objects["Dumbbell"])
@@ -300,6 +290,9 @@ def save_and_reopen() -> Steps[None]:
         assert "M2 Band 5" in keys(bpy.context.object)
 
 
+_counter = count(1)
+
+
 def precious(subdivisions: int = 1) -> bpy.types.Object:
     """A monkey with shape keys and vertex groups, the active object; the last step of undo."""
     obj = new_monkey(subdivisions)
@@ -311,8 +304,9 @@ def precious(subdivisions: int = 1) -> bpy.types.Object:
     obj.shape_key_add(name="Basis")
     bpy.ops.ed.undo_push(message="Basis")
     obj.shape_key_add(name="Smile").data[3].co.x += 0.25
-    obj.data.shape_keys.reference_key.data[5].co.x += 0.01
-    obj.data.vertices[5].co.x += 0.01
+    moved = 0.01 * next(_counter)  # so that no flow in memory is that of this monkey
+    obj.data.shape_keys.reference_key.data[5].co.x += moved
+    obj.data.vertices[5].co.x += moved
     bpy.ops.ed.undo_push(message="Smile")
     return obj
 
@@ -321,13 +315,6 @@ def unchanged(before: dict[str, Any]) -> None:
     """Assert that all is as it was."""
     found = differences(before, contents())
     assert not found, found
-
-
-def start(name: str, window: bpy.types.Window | None = None, **arguments: object) -> None:
-    """Start an operator as its button does."""
-    with in_view(window):
-        status = getattr(bpy.ops.spectral_tv, name)("INVOKE_DEFAULT", **arguments)
-    assert status in ({"RUNNING_MODAL"}, {"FINISHED"}), f"{name}: {status}"
 
 
 def drag_live() -> Steps[None]:
@@ -340,111 +327,13 @@ def drag_live() -> Steps[None]:
     yield 0.3
 
 
-def all_ended() -> Steps[None]:
-    """Wait until no job runs, none is left, and the window has seen it."""
-    yield from until(lambda: not is_running(), "the job to be over")
-    yield from until(lambda: not workers(), "the threads to end")
-    yield 0.1
-
-
-def is_running() -> bool:
-    return bpy.ops.spectral_tv.cancel.poll()
-
-
 def live_runs() -> bool:
     return sys.modules[f"{MODULE}.operators.live"].SPECTRAL_TV_OT_deform_live.is_running()
-
-
-def workers() -> list[str]:
-    """Threads of the extension's native module."""
-    names = (path.read_text() for path in Path("/proc/self/task").glob("*/comm"))
-    return [name for name in names if name.startswith("spectral_tv")]
-
-
-def megabytes() -> float:
-    """Memory of this process."""
-    status = Path("/proc/self/status").read_text()
-    return int(status.split("VmRSS:")[1].split()[0]) / 1024
 
 
 def keys(obj: bpy.types.Object) -> list[str]:
     found = obj.data.shape_keys
     return [] if found is None else [key.name for key in found.key_blocks]
-
-
-Change = Callable[[bpy.types.Object], None]
-
-
-def delete(obj: bpy.types.Object) -> None:
-    bpy.data.objects.remove(obj)
-
-
-def rename(obj: bpy.types.Object) -> None:
-    obj.name = "Renamed"
-
-
-def edit(obj: bpy.types.Object) -> None:
-    enter_edit_mode(obj)
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
-def move_a_vertex(obj: bpy.types.Object) -> None:
-    obj.data.shape_keys.reference_key.data[0].co.z += 0.1
-
-
-def exchange_the_mesh(obj: bpy.types.Object) -> None:
-    bpy.ops.mesh.primitive_cube_add()
-    cube = bpy.context.object
-    obj.data = cube.data
-
-
-def undo(_obj: bpy.types.Object) -> None:
-    bpy.ops.ed.undo()
-
-
-def enter_edit_mode(obj: bpy.types.Object) -> None:
-    activate(obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-
-
-def enter_edit_mode_by_a_twin(obj: bpy.types.Object) -> None:
-    twin = bpy.data.objects.new("Twin", obj.data)
-    bpy.context.collection.objects.link(twin)
-    enter_edit_mode(twin)
-
-
-def turn_dyntopo_on(_obj: bpy.types.Object) -> None:
-    sculpt(_obj)
-    bpy.ops.sculpt.dynamic_topology_toggle()
-
-
-def make_keys_absolute(obj: bpy.types.Object) -> None:
-    obj.data.shape_keys.use_relative = False
-
-
-def add_a_key(obj: bpy.types.Object) -> None:
-    obj.shape_key_add(name="Frown")
-
-
-def remove_the_keys(obj: bpy.types.Object) -> None:
-    obj.shape_key_clear()
-
-
-def remove_the_groups(obj: bpy.types.Object) -> None:
-    obj.vertex_groups.clear()
-
-
-def sculpt(_obj: bpy.types.Object) -> None:
-    bpy.ops.object.mode_set(mode="SCULPT")
-
-
-def another_scene(_obj: bpy.types.Object) -> None:
-    scene = bpy.data.scenes.new("Other")
-    bpy.context.window.scene = scene
-    bpy.context.window.scene = next(each for each in bpy.data.scenes if each != scene)
-    bpy.data.scenes.remove(scene)
 
 
 bpy.context.preferences.view.show_splash = False
