@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3}
 use ndarray::Array2;
 
 use crate::deformation::problem::Problem;
-use crate::deformation::quadratic::{Quadratic, dirichlet_springs, harmonic, laplacian};
+use crate::deformation::quadratic::{Quadratic, Stiffness, dirichlet_springs, harmonic};
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::element_stiffness;
@@ -26,9 +26,9 @@ pub(super) fn as_rigid_as_possible(
     stage: Stage,
 ) -> Result<(Array2<f64>, usize)> {
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
-    let matrix = laplacian(&problem, &weights);
-    let mut quadratic = Quadratic::new(problem, matrix, dirichlet_springs(&problem))?;
-    let curvature = quadratic.apply(positions);
+    let stiffness = Stiffness::membrane(&problem, &weights);
+    let curvature = stiffness.apply(positions);
+    let mut quadratic = Quadratic::new(problem, stiffness, dirichlet_springs(&problem))?;
     let mut state = harmonic(problem)?;
     let mut rotations = vec![Rotation3::identity(); positions.ncols()];
     for iteration in 0..MOST_ITERATIONS {

@@ -1,6 +1,6 @@
 //! Quadratic energies of the displacement, and the linear deformations they give.
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 use sprs::CsMatI;
 
 use crate::deformation::problem::Problem;
@@ -8,22 +8,72 @@ use crate::error::Result;
 use crate::operators::{element_stiffness, pin};
 use crate::solver::Cholesky;
 
+/// K of a quadratic energy: L(w), or L(w) M⁻¹ L(w).
+pub(super) struct Stiffness<'a> {
+    /// The lower triangle of L(w).
+    laplacian: CsMatI<f64, u32>,
+    /// The diagonal of M, where it is the product.
+    masses: Option<&'a [f64]>,
+}
+
+impl<'a> Stiffness<'a> {
+    /// That of ½∫ w |∇d|².
+    pub fn membrane(problem: &Problem, weights: &[f64]) -> Self {
+        Self {
+            laplacian: laplacian(problem, weights),
+            masses: None,
+        }
+    }
+
+    /// That of ½‖M^(−1/2) L(w) d‖².
+    pub fn bending(problem: &Problem<'a>, weights: &[f64]) -> Self {
+        Self {
+            laplacian: laplacian(problem, weights),
+            masses: Some(problem.operators.masses()),
+        }
+    }
+
+    /// K `values` (3, V), without the rounding of the product of matrices.
+    pub fn apply(&self, values: &Array2<f64>) -> Array2<f64> {
+        let mut product = weighted_differences(&self.laplacian, values);
+        if let Some(masses) = self.masses {
+            product /= &ArrayView1::from(masses);
+            product = weighted_differences(&self.laplacian, &product);
+        }
+        product
+    }
+
+    /// Solves of one system. The rounding of the product of matrices is that of the square of L's
+    /// condition number; a second solve corrects it (Björck 1987, "Stability Analysis of the
+    /// Method of Seminormal Equations for Linear Least Squares Problems").
+    fn solves(&self) -> usize {
+        if self.masses.is_some() { 2 } else { 1 }
+    }
+
+    /// The lower triangle of K.
+    fn matrix(&self) -> CsMatI<f64, u32> {
+        match self.masses {
+            Some(masses) => squared(&self.laplacian, masses),
+            None => self.laplacian.clone(),
+        }
+    }
+}
+
 /// ½⟨d, K d⟩ + ½ Σ s κ |d − c|² − ⟨f, d⟩ over the displacements that are given at fixed vertices.
 pub(super) struct Quadratic<'a> {
     problem: Problem<'a>,
-    /// The lower triangle of K.
-    matrix: CsMatI<f64, u32>,
+    stiffness: Stiffness<'a>,
     spring_scale: f64,
     cholesky: Cholesky,
 }
 
 impl<'a> Quadratic<'a> {
-    /// Factorizes the energy whose K has the lower triangle `matrix`.
+    /// Factorizes the energy whose K is `stiffness`.
     ///
     /// # Errors
     /// [`crate::Error::Solver`] if it cannot be factorized.
-    pub fn new(problem: Problem<'a>, matrix: CsMatI<f64, u32>, spring_scale: f64) -> Result<Self> {
-        let mut system = matrix.clone();
+    pub fn new(problem: Problem<'a>, stiffness: Stiffness<'a>, spring_scale: f64) -> Result<Self> {
+        let mut system = stiffness.matrix();
         for (column, mut entries) in system.outer_iterator_mut().enumerate() {
             if let Some(diagonal) = entries.get_mut(column) {
                 *diagonal += spring_scale * problem.targets.springs[column];
@@ -34,7 +84,7 @@ impl<'a> Quadratic<'a> {
         cholesky.factorize(&system)?;
         Ok(Self {
             problem,
-            matrix,
+            stiffness,
             spring_scale,
             cholesky,
         })
@@ -44,32 +94,18 @@ impl<'a> Quadratic<'a> {
     pub fn minimise(&mut self, state: &mut Array2<f64>, forces: &Array2<f64>) {
         let Problem { targets, fixed, .. } = self.problem;
         self.problem.place_fixed(state);
-        let mut residual = forces - &self.apply(state);
-        for (axis, mut row) in residual.rows_mut().into_iter().enumerate() {
-            for (vertex, value) in row.iter_mut().enumerate() {
-                let off = targets.displacements[[axis, vertex]] - state[[axis, vertex]];
-                let pull = self.spring_scale * targets.springs[vertex] * off;
-                *value = if fixed[vertex] { 0.0 } else { *value + pull };
-            }
-        }
-        self.cholesky.solve_in_place(&mut residual);
-        *state += &residual;
-    }
-
-    /// K `values` (3, V).
-    pub fn apply(&self, values: &Array2<f64>) -> Array2<f64> {
-        let mut product = Array2::zeros(values.dim());
-        for (column, entries) in self.matrix.outer_iterator().enumerate() {
-            for (row, &entry) in entries.iter() {
-                for axis in 0..values.nrows() {
-                    product[[axis, row]] += entry * values[[axis, column]];
-                    if row != column {
-                        product[[axis, column]] += entry * values[[axis, row]];
-                    }
+        for _ in 0..self.stiffness.solves() {
+            let mut residual = forces - &self.stiffness.apply(state);
+            for (axis, mut row) in residual.rows_mut().into_iter().enumerate() {
+                for (vertex, value) in row.iter_mut().enumerate() {
+                    let off = targets.displacements[[axis, vertex]] - state[[axis, vertex]];
+                    let pull = self.spring_scale * targets.springs[vertex] * off;
+                    *value = if fixed[vertex] { 0.0 } else { *value + pull };
                 }
             }
+            self.cholesky.solve_in_place(&mut residual);
+            *state += &residual;
         }
-        product
     }
 }
 
@@ -78,7 +114,7 @@ pub(super) fn harmonic(problem: Problem) -> Result<Array2<f64>> {
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
     least(
         problem,
-        laplacian(&problem, &weights),
+        Stiffness::membrane(&problem, &weights),
         dirichlet_springs(&problem),
     )
 }
@@ -87,13 +123,13 @@ pub(super) fn harmonic(problem: Problem) -> Result<Array2<f64>> {
 pub(super) fn biharmonic(problem: Problem) -> Result<Array2<f64>> {
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
     let springs = dirichlet_springs(&problem) / problem.operators.area();
-    least(problem, bilaplacian(&problem, &weights), springs)
+    least(problem, Stiffness::bending(&problem, &weights), springs)
 }
 
-fn least(problem: Problem, matrix: CsMatI<f64, u32>, springs: f64) -> Result<Array2<f64>> {
+fn least(problem: Problem, stiffness: Stiffness, springs: f64) -> Result<Array2<f64>> {
     let mut state = Array2::zeros(problem.targets.displacements.dim());
     let forces = state.clone();
-    Quadratic::new(problem, matrix, springs)?.minimise(&mut state, &forces);
+    Quadratic::new(problem, stiffness, springs)?.minimise(&mut state, &forces);
     Ok(state)
 }
 
@@ -103,7 +139,7 @@ pub(super) fn dirichlet_springs(problem: &Problem) -> f64 {
 }
 
 /// The lower triangle of L(w).
-pub(super) fn laplacian(problem: &Problem, weights: &[f64]) -> CsMatI<f64, u32> {
+fn laplacian(problem: &Problem, weights: &[f64]) -> CsMatI<f64, u32> {
     let (gradient, pattern) = (problem.operators.gradient(), problem.operators.pattern());
     let mut matrix = pattern.zeros();
     let stiffness = |face: usize| {
@@ -115,9 +151,25 @@ pub(super) fn laplacian(problem: &Problem, weights: &[f64]) -> CsMatI<f64, u32> 
     matrix
 }
 
-/// The lower triangle of L(w) M⁻¹ L(w).
-pub(super) fn bilaplacian(problem: &Problem, weights: &[f64]) -> CsMatI<f64, u32> {
-    let mut half = laplacian(problem, weights);
+/// L `values` (3, V), of differences along edges: where values are nearly constant, their size
+/// does not round.
+fn weighted_differences(laplacian: &CsMatI<f64, u32>, values: &Array2<f64>) -> Array2<f64> {
+    let mut product = Array2::zeros(values.dim());
+    for (column, entries) in laplacian.outer_iterator().enumerate() {
+        for (row, &entry) in entries.iter().filter(|&(row, _)| row != column) {
+            for axis in 0..values.nrows() {
+                let flux = entry * (values[[axis, column]] - values[[axis, row]]);
+                product[[axis, row]] += flux;
+                product[[axis, column]] -= flux;
+            }
+        }
+    }
+    product
+}
+
+/// The lower triangle of L M⁻¹ L.
+fn squared(laplacian: &CsMatI<f64, u32>, masses: &[f64]) -> CsMatI<f64, u32> {
+    let mut half = laplacian.clone();
     for (column, mut entries) in half.outer_iterator_mut().enumerate() {
         if let Some(diagonal) = entries.get_mut(column) {
             *diagonal *= 0.5;
@@ -127,7 +179,7 @@ pub(super) fn bilaplacian(problem: &Problem, weights: &[f64]) -> CsMatI<f64, u32
     let mut scaled = full.clone();
     for mut entries in scaled.outer_iterator_mut() {
         for (row, value) in entries.iter_mut() {
-            *value /= problem.operators.masses()[row];
+            *value /= masses[row];
         }
     }
     lower_triangle(&(&full * &scaled))

@@ -4,7 +4,7 @@
 use ndarray::Array2;
 
 use crate::deformation::problem::Problem;
-use crate::deformation::quadratic::{Quadratic, bilaplacian, harmonic};
+use crate::deformation::quadratic::{Quadratic, Stiffness, harmonic};
 use crate::error::Result;
 use crate::minimization::Variation;
 use crate::monitor::Stage;
@@ -34,7 +34,7 @@ pub(super) fn reweighted(
         let mean = total_variation(gradient, state.view()) / area;
         let weights = Variation::smoothed(SMOOTHING * mean).weights(&gradient.norms(state.view()));
         let last = state.clone();
-        Quadratic::new(problem, bilaplacian(&problem, &weights), springs)?
+        Quadratic::new(problem, Stiffness::bending(&problem, &weights), springs)?
             .minimise(&mut state, &forces);
         let moved = (&state - &last)
             .iter()
