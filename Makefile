@@ -96,7 +96,7 @@ gallery: $(WHEEL_STAMP)
 release:
 	tools/release/build.sh $(PLATFORMS)
 
-release-check: $(EXTENSION_STAMP)
+release-check: $(VENV)/.installed
 	tools/release/check.sh $(CHECKS)
 
 clean:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 import shlex
@@ -46,6 +47,9 @@ def install() -> None:
     assert MODULE in bpy.context.preferences.addons
     installed = Path(bpy.utils.user_resource("EXTENSIONS"))
     assert Path(sys.modules[MODULE].__file__).is_relative_to(installed)
+    if "SPECTRAL_TV_ZIP" in os.environ:  # its own package too, not one that lies beside bpy
+        package = importlib.import_module("spectral_tv")
+        assert Path(package.__file__).is_relative_to(installed), package.__file__
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     bpy.context.scene.cycles.use_denoising = False  # Debian's Blender lacks the denoiser
 
