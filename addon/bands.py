@@ -35,7 +35,7 @@ def base_shape(obj: bpy.types.Object, settings: Settings, surface: Surface) -> n
     """The base of the method in the space of ``surface``, (V, 3); None for the smoothed shape, or
     if it has none.
 
-    Raises Refusal if the shape key it should be does not exist.
+    Raises Refusal if the shape key it should be does not exist, or is not finite.
     """
     if settings.method not in WITH_BASE or settings.base == "FLOW":
         return None
@@ -47,6 +47,10 @@ def base_shape(obj: bpy.types.Object, settings: Settings, surface: Surface) -> n
         if keys is None or settings.base_key not in keys.key_blocks:
             raise Refusal(f"there is no shape key {settings.base_key!r} to be the base")
         shape = coordinates(keys.key_blocks[settings.base_key].data).reshape(-1, 3).astype(float)
+        broken = np.flatnonzero(~np.isfinite(shape).all(axis=1))
+        if len(broken):
+            message = f"the shape key {settings.base_key!r} is not finite at vertex {broken[0]}"
+            raise Refusal(message, broken)
     return surface.to_world(shape)
 
 

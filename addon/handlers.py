@@ -3,7 +3,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import jobs
+from . import faults, jobs
 from .bands import forget_flows
 from .operators import live
 
@@ -13,6 +13,7 @@ def _before_load(*_arguments: object) -> None:
     jobs.finish()
     live.end()
     forget_flows()
+    faults.forget()
 
 
 def register() -> None:

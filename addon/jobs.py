@@ -52,7 +52,7 @@ class Chain:
             return True
         try:
             self._results.append(self._job.result())
-        except (spectral_tv.MeshError, spectral_tv.Cancelled, RuntimeError):
+        except (spectral_tv.MeshError, spectral_tv.Cancelled, RuntimeError, MemoryError):
             return True  # whoever asks for the result learns why
         if len(self._results) < len(self._starts):
             self._job = self._starts[len(self._results)]()

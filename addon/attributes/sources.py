@@ -81,7 +81,7 @@ def read(obj: bpy.types.Object, kind: str, name: str) -> Source:
             values, alpha = values[:, :3], values[:, 3]
     broken = np.flatnonzero(~np.isfinite(values).all(axis=1))
     if len(broken):
-        raise Refusal(f"{name!r} is not a finite number at vertex {broken[0]}")
+        raise Refusal(f"{name!r} is not a finite number at vertex {broken[0]}", broken)
     return Source("ATTRIBUTE" if kind == "COLOR" else kind, name, values, alpha)
 
 

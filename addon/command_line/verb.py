@@ -56,7 +56,14 @@ class Command:
     def _try(self, choices: argparse.Namespace, source: Path) -> bool:
         try:
             self._treat_file(choices, source)
-        except (Refusal, spectral_tv.MeshError, RuntimeError, ValueError, OSError) as error:
+        except (
+            Refusal,
+            spectral_tv.MeshError,
+            MemoryError,
+            RuntimeError,
+            ValueError,
+            OSError,
+        ) as error:
             say(f"{source}: error: {_reason(error)}")
             return False
         return True
@@ -127,7 +134,7 @@ class Verb(Command):
             if reason is not None:
                 raise Refusal(reason)
             self.treat(obj, choices, task)
-        except (Refusal, spectral_tv.MeshError) as error:
+        except (Refusal, spectral_tv.MeshError, MemoryError) as error:
             raise Refusal(f"{obj.name}: {error}") from error
 
 

@@ -18,6 +18,7 @@ from . import (
     image,
     live,
     mix,
+    select_faulty,
     values,
 )
 
@@ -37,6 +38,7 @@ _FILES = (
     eigenset,
     values,
     image,
+    select_faulty,
 )
 
 register, _unregister = bpy.utils.register_classes_factory(

@@ -6,7 +6,7 @@ from typing import Any
 import bpy
 import spectral_tv
 
-from .. import jobs
+from .. import faults, jobs
 from ..objects import Refusal, refusal
 from . import _timers
 from ._progress import cursor_progress, redraw_sidebars
@@ -92,12 +92,13 @@ class JobOperator:
         obj = None
         try:
             obj = self.chosen(context)
-            prepared = self.prepare(obj)
+            with faults.kept(obj):
+                prepared = self.prepare(obj)
             result = self.recall(prepared)
             if result is None:
                 with cursor_progress(context) as progress:
                     result = self.work(prepared, progress)
-        except (spectral_tv.MeshError, Refusal) as error:
+        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}" if obj is not None else str(error))
             return {"CANCELLED"}
         return self._finish(obj, prepared, result)
@@ -110,13 +111,14 @@ class JobOperator:
         obj = None
         try:
             obj = self.chosen(context)
-            prepared = self.prepare(obj)
+            with faults.kept(obj):
+                prepared = self.prepare(obj)
             result = self.recall(prepared)
             if result is not None:
                 return self._finish(obj, prepared, result)
             message = f"{self.working} {obj.name}"
             self._mine = jobs.start(self.start(prepared), obj.name, self.state(obj), message)
-        except (spectral_tv.MeshError, Refusal) as error:
+        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}" if obj is not None else str(error))
             return {"CANCELLED"}
         self._prepared = prepared
@@ -171,7 +173,7 @@ class JobOperator:
             return {"CANCELLED"}
         try:
             result = running.job.result()
-        except (spectral_tv.MeshError, RuntimeError) as error:
+        except (spectral_tv.MeshError, RuntimeError, MemoryError) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
         return self._finish(obj, prepared, result)
@@ -179,7 +181,7 @@ class JobOperator:
     def _finish(self, obj: bpy.types.Object, prepared: Any, result: Any) -> set[str]:
         try:
             done = self.write(obj, prepared, result)
-        except Refusal as error:
+        except (Refusal, MemoryError) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
         message = f"{obj.name}: {done} in {time.perf_counter() - self._started:.1f} s"

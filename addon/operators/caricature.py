@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 import spectral_tv
 
-from .. import jobs
+from .. import faults, jobs
 from ..bands import add_bands, prepare, recall, set_values
 from ..gains import caricature_values
 from ..objects import Refusal, distinct_meshes, refusal
@@ -42,8 +42,9 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureProperties, bpy.types.Ope
         poses = []
         for obj in distinct_meshes(bpy.context):
             try:
-                surface, arguments = prepare(obj, self._settings())
-            except (Refusal, spectral_tv.MeshError) as error:
+                with faults.kept(obj):
+                    surface, arguments = prepare(obj, self._settings())
+            except (Refusal, spectral_tv.MeshError, MemoryError) as error:
                 raise Refusal(f"{obj.name}: {error}") from error
             poses.append(Pose(obj.name, jobs.state_of(obj), surface, arguments))
         return poses

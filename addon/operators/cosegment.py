@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .. import jobs, segments
+from .. import faults, jobs, segments
 from ..objects import Refusal, distinct_meshes, refusal
 from ..properties import SegmentationProperties
 from ..surface import Surface
@@ -30,10 +30,15 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
     def prepare(self, _obj: bpy.types.Object) -> Prepared:
         if not self.outputs:
             raise Refusal("choose what to write")
-        return [
-            (obj.name, Surface.read(obj), jobs.state_of(obj))
-            for obj in distinct_meshes(bpy.context)
-        ]
+        prepared = []
+        for obj in distinct_meshes(bpy.context):
+            try:
+                with faults.kept(obj):
+                    surface = Surface.read(obj)
+            except (Refusal, spectral_tv.MeshError) as error:
+                raise Refusal(f"{obj.name}: {error}") from error
+            prepared.append((obj.name, surface, jobs.state_of(obj)))
+        return prepared
 
     def work(self, prepared: Prepared, progress: Callable[[float], None]) -> Labels:
         share = 0.95 / len(prepared)

@@ -3,7 +3,7 @@
 import bpy
 import spectral_tv
 
-from .. import jobs
+from .. import faults, jobs
 from ..live import LiveDeformation
 from ..objects import Refusal
 from . import _timers
@@ -55,8 +55,9 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
             return {"CANCELLED"}
         self._object_name = context.active_object.name
         try:
-            self._live = LiveDeformation(context.active_object)
-        except (spectral_tv.MeshError, Refusal) as error:
+            with faults.kept(context.active_object):
+                self._live = LiveDeformation(context.active_object)
+        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
             self.report({"ERROR"}, f"{self._object_name}: {error}")
             return {"CANCELLED"}
         self.should_end = False
@@ -76,7 +77,7 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
         if event.type == "TIMER":
             try:
                 self._live.update()
-            except (spectral_tv.MeshError, RuntimeError, Refusal) as error:
+            except (spectral_tv.MeshError, RuntimeError, Refusal, MemoryError) as error:
                 self.cancel(context)
                 self.report({"WARNING"}, f"{self._object_name}: no longer live: {error}")
                 return {"FINISHED"}

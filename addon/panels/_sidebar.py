@@ -2,11 +2,20 @@
 
 import bpy
 
-from .. import jobs
+from .. import faults, jobs
 from ..operators._job import SPECTRAL_TV_OT_cancel
+from ..operators.select_faulty import SPECTRAL_TV_OT_select_faulty
 from ..sidebar import Sidebar, say
 
-__all__ = ["Sidebar", "draw_progress", "say"]
+__all__ = ["Sidebar", "draw_fault", "draw_progress", "say"]
+
+
+def draw_fault(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draw why vertices of the active object were refused, and a button that selects them."""
+    fault = faults.of(context.active_object)
+    if fault is not None:
+        say(layout, context, f"Refused: {fault.message}", "ERROR")
+        layout.operator(SPECTRAL_TV_OT_select_faulty.bl_idname, icon="RESTRICT_SELECT_OFF")
 
 
 def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

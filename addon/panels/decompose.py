@@ -7,7 +7,7 @@ from ..objects import refusal
 from ..operators.decompose import SPECTRAL_TV_OT_decompose
 from ..properties import DecompositionProperties, copy_choices, draw_method
 from ..settings import WITH_BASE
-from ._sidebar import Sidebar, draw_progress, say
+from ._sidebar import Sidebar, draw_fault, draw_progress, say
 
 
 class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
@@ -35,6 +35,7 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
         elif obj.data.users > 1:
             text = f"{obj.data.users} objects share this mesh; all of them get the bands"
             say(layout, context, text, "INFO")
+        draw_fault(layout, context)
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")

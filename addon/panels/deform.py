@@ -13,7 +13,7 @@ from ..operators.constraints import (
 )
 from ..operators.deform import SPECTRAL_TV_OT_deform
 from ..operators.live import SPECTRAL_TV_OT_deform_live
-from ._sidebar import Sidebar, draw_progress, say
+from ._sidebar import Sidebar, draw_fault, draw_progress, say
 
 
 class SPECTRAL_TV_UL_constraints(bpy.types.UIList):
@@ -76,6 +76,7 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
         reason = deform_refusal(obj)
         if reason is not None and not is_live:
             say(layout, context, reason, "INFO")
+        draw_fault(layout, context)
         row = layout.row(align=True)
         row.scale_y = 1.4
         row.operator(SPECTRAL_TV_OT_deform.bl_idname, icon="MOD_SIMPLEDEFORM")

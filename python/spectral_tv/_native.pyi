@@ -47,7 +47,10 @@ _Algorithm = Literal["convex", "paper", "harmonic", "biharmonic", "arap"]
 _Solver = Literal["auto", "cholesky", "multigrid"]
 _Progress = Callable[[float], object]
 
-class MeshError(ValueError): ...
+class MeshError(ValueError):
+    vertices: NDArray[np.int64]
+    faces: NDArray[np.int64]
+
 class Cancelled(Exception): ...
 
 @final

@@ -12,6 +12,7 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
+use crate::parameters;
 use crate::settings::Request;
 
 /// How the errors of a decomposition fall with the number of steps, measured by `accuracy`.
@@ -131,16 +132,16 @@ pub fn accuracy(
     mesh: &Mesh,
     method: &str,
     steps: Option<&Bound<'_, PyAny>>,
-    bands: usize,
+    #[pyo3(from_py_with = parameters::bands)] bands: usize,
     progress: Option<&Bound<'_, PyAny>>,
-    scales: Option<(f64, f64)>,
-    refinement: usize,
+    #[pyo3(from_py_with = parameters::scales)] scales: Option<(f64, f64)>,
+    #[pyo3(from_py_with = parameters::refinement)] refinement: usize,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
-    p: u32,
+    #[pyo3(from_py_with = parameters::p)] p: u32,
     base: Option<Bound<'_, PyAny>>,
-    base_time: Option<f64>,
+    #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
 ) -> Result<Accuracy, Failure> {
     let request = Request {
         scheme,
@@ -175,15 +176,15 @@ pub fn start_accuracy(
     mesh: &Mesh,
     method: &str,
     steps: Option<&Bound<'_, PyAny>>,
-    bands: usize,
-    scales: Option<(f64, f64)>,
-    refinement: usize,
+    #[pyo3(from_py_with = parameters::bands)] bands: usize,
+    #[pyo3(from_py_with = parameters::scales)] scales: Option<(f64, f64)>,
+    #[pyo3(from_py_with = parameters::refinement)] refinement: usize,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
-    p: u32,
+    #[pyo3(from_py_with = parameters::p)] p: u32,
     base: Option<Bound<'_, PyAny>>,
-    base_time: Option<f64>,
+    #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
 ) -> Result<Job, Failure> {
     let request = Request {
         scheme,

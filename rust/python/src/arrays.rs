@@ -6,6 +6,8 @@ use ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use spectral_tv::monitor::Stage;
+use spectral_tv::{Error, memory};
 
 use crate::error::MeshError;
 
@@ -176,15 +178,24 @@ pub fn per_vertex<'py>(py: Python<'py>, values: &Array2<f64>) -> Bound<'py, PyAr
 }
 
 /// `count` times (C, V) of the `shape` as one array (K, V, C), each taken when it is needed.
+///
+/// # Errors
+/// [`Error::Memory`] if it does not fit, [`Error::Cancelled`].
 pub fn stacked(
     count: usize,
     shape: (usize, usize),
     parts: impl Iterator<Item = Array2<f64>>,
-) -> Array3<f64> {
+    stage: Stage,
+) -> spectral_tv::Result<Array3<f64>> {
     let (channels, vertices) = shape;
-    let mut stack = Array3::zeros((count, vertices, channels));
+    let size = count.saturating_mul(vertices).saturating_mul(channels);
+    let what = format!("an array of {count} states or bands of {vertices} vertices");
+    let zeros = memory::zeros(size, &what, "take them in parts, fewer at a time")?;
+    let mut stack = Array3::from_shape_vec((count, vertices, channels), zeros)
+        .map_err(|error| Error::Memory(error.to_string()))?;
     for (mut place, part) in stack.outer_iter_mut().zip(parts) {
+        stage.check()?;
         place.assign(&part.t());
     }
-    stack
+    Ok(stack)
 }

@@ -11,6 +11,7 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
+use crate::parameters;
 use crate::settings::Request;
 
 type Shapes = Vec<Array2<f64>>;
@@ -57,11 +58,11 @@ type Shapes = Vec<Array2<f64>>;
 pub fn caricature<'py>(
     py: Python<'py>,
     meshes: Vec<Bound<'py, Mesh>>,
-    band: (f64, f64),
-    gain: f64,
-    smooth: f64,
+    #[pyo3(from_py_with = parameters::band)] band: (f64, f64),
+    #[pyo3(from_py_with = parameters::gain)] gain: f64,
+    #[pyo3(from_py_with = parameters::smooth)] smooth: f64,
     method: &str,
-    steps: usize,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Vec<Bound<'py, PyArray2<f64>>>, Failure> {
     let filter = exaggeration(band, gain, smooth);
@@ -74,11 +75,11 @@ pub fn caricature<'py>(
 #[pyo3(signature = (meshes, band, gain = 2.0, smooth = 0.0, method = "m3", steps = 32))]
 pub fn start_caricature(
     meshes: Vec<Bound<'_, Mesh>>,
-    band: (f64, f64),
-    gain: f64,
-    smooth: f64,
+    #[pyo3(from_py_with = parameters::band)] band: (f64, f64),
+    #[pyo3(from_py_with = parameters::gain)] gain: f64,
+    #[pyo3(from_py_with = parameters::smooth)] smooth: f64,
     method: &str,
-    steps: usize,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
 ) -> Result<Job, Failure> {
     let filter = exaggeration(band, gain, smooth);
     let task = start(&meshes, filter, method, steps, |shapes| -> Convert {

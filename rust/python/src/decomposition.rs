@@ -12,6 +12,7 @@ use crate::error::Failure;
 use crate::flow::{Flow, Layout};
 use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
+use crate::parameters;
 use crate::settings::{Request, gains as parse_gains};
 
 /// A shape split into scales by `decompose`.
@@ -65,7 +66,7 @@ impl Decomposition {
     fn band_edges<'py>(
         &self,
         py: Python<'py>,
-        count: usize,
+        #[pyo3(from_py_with = parameters::count)] count: usize,
     ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         Ok(even_edges(self.inner.times(), count)?.into_pyarray(py))
     }
@@ -80,7 +81,9 @@ impl Decomposition {
     /// Raises
     /// ------
     /// MeshError
-    ///     If the edges do not increase.
+    ///     If the edges do not increase, or are those of over a million bands.
+    /// MemoryError
+    ///     If the bands do not fit into what is available.
     fn bands<'py>(
         &self,
         py: Python<'py>,
@@ -88,11 +91,12 @@ impl Decomposition {
     ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
         let edges = arrays::list("edges", edges)?;
         let shape = (3, self.inner.vertex_areas().len());
-        let bands = guarded(py, || {
-            let bands = self.inner.bands(&edges)?;
-            Ok(arrays::stacked(edges.len() - 1, shape, bands))
+        let inner = Arc::clone(&self.inner);
+        let task = Task::start(move |monitor| {
+            let bands = inner.bands(&edges)?;
+            arrays::stacked(edges.len() - 1, shape, bands, monitor.whole())
         })?;
-        Ok(bands.into_pyarray(py))
+        Ok(task.wait(py, None)?.into_pyarray(py))
     }
 
     /// The shape filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 53), (V, 3).
@@ -198,16 +202,16 @@ pub fn decompose(
     mesh: &Mesh,
     method: &str,
     times: Option<Bound<'_, PyAny>>,
-    steps: usize,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
     progress: Option<&Bound<'_, PyAny>>,
-    accuracy: Option<f64>,
+    #[pyo3(from_py_with = parameters::accuracy)] accuracy: Option<f64>,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
-    p: u32,
+    #[pyo3(from_py_with = parameters::p)] p: u32,
     base: Option<Bound<'_, PyAny>>,
-    base_time: Option<f64>,
-    eigenpairs: usize,
+    #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
+    #[pyo3(from_py_with = parameters::eigenpairs)] eigenpairs: usize,
     metric: &str,
 ) -> Result<Decomposition, Failure> {
     let request = Request {
@@ -250,15 +254,15 @@ pub fn start_decompose(
     mesh: &Mesh,
     method: &str,
     times: Option<Bound<'_, PyAny>>,
-    steps: usize,
-    accuracy: Option<f64>,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
+    #[pyo3(from_py_with = parameters::accuracy)] accuracy: Option<f64>,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
-    p: u32,
+    #[pyo3(from_py_with = parameters::p)] p: u32,
     base: Option<Bound<'_, PyAny>>,
-    base_time: Option<f64>,
-    eigenpairs: usize,
+    #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
+    #[pyo3(from_py_with = parameters::eigenpairs)] eigenpairs: usize,
     metric: &str,
 ) -> Result<Job, Failure> {
     let request = Request {

@@ -14,6 +14,7 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
+use crate::parameters;
 
 /// A deformed shape, made by `deform` or a `Deformer`.
 #[pyclass(frozen, module = "spectral_tv")]
@@ -141,8 +142,8 @@ pub fn deform(
     indices: &Bound<'_, PyAny>,
     targets: &Bound<'_, PyAny>,
     weights: Option<&Bound<'_, PyAny>>,
-    softness: f64,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::softness)] softness: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     algorithm: &str,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<Deformation, Failure> {
@@ -171,8 +172,8 @@ pub fn start_deform(
     indices: &Bound<'_, PyAny>,
     targets: &Bound<'_, PyAny>,
     weights: Option<&Bound<'_, PyAny>>,
-    softness: f64,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::softness)] softness: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     algorithm: &str,
 ) -> Result<Job, Failure> {
     let settings = Settings {

@@ -11,6 +11,7 @@ use crate::deformation::{Deformation, Shape, constraints, converted};
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
+use crate::parameters;
 
 /// A mesh and the vertices that are constrained, to be deformed again and again.
 ///
@@ -49,7 +50,7 @@ impl Deformer {
         mesh: &Mesh,
         indices: &Bound<'_, PyAny>,
         weights: Option<&Bound<'_, PyAny>>,
-        softness: f64,
+        #[pyo3(from_py_with = parameters::softness)] softness: f64,
     ) -> Result<Self, Failure> {
         let constraints = constraints(mesh, indices, weights)?;
         let shape = Arc::new(Shape::new(mesh, &constraints));
@@ -115,7 +116,7 @@ impl Deformer {
         &self,
         py: Python<'_>,
         targets: &Bound<'_, PyAny>,
-        tolerance: f64,
+        #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> Result<Deformation, Failure> {
         let task = self.task(targets, tolerance, |deformation| deformation)?;
@@ -146,7 +147,7 @@ impl Deformer {
         &self,
         py: Python<'_>,
         targets: Vec<Bound<'_, PyAny>>,
-        tolerance: f64,
+        #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> Result<Vec<Deformation>, Failure> {
         let task = self.sequence_task(&targets, tolerance, |deformations| deformations)?;
@@ -159,7 +160,7 @@ impl Deformer {
     fn start_solve_sequence(
         &self,
         targets: Vec<Bound<'_, PyAny>>,
-        tolerance: f64,
+        #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     ) -> Result<Job, Failure> {
         let task = self.sequence_task(&targets, tolerance, |deformations| -> Convert {
             Box::new(move |py| Ok(deformations.into_pyobject(py)?.unbind()))
@@ -170,7 +171,11 @@ impl Deformer {
     /// Start `solve` in a thread of its own and return the `Job` at once. Other calls wait until
     /// it has ended or was cancelled.
     #[pyo3(signature = (targets, tolerance = 1e-3))]
-    fn start_solve(&self, targets: &Bound<'_, PyAny>, tolerance: f64) -> Result<Job, Failure> {
+    fn start_solve(
+        &self,
+        targets: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
+    ) -> Result<Job, Failure> {
         Ok(Job::new(self.task(targets, tolerance, converted)?))
     }
 }

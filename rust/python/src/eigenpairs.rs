@@ -11,6 +11,7 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::job::Task;
 use crate::mesh::Mesh;
+use crate::parameters;
 
 /// λ (K,) and u (V, K).
 type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
@@ -44,7 +45,7 @@ type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 pub fn eigenpairs<'py>(
     py: Python<'py>,
     mesh: &Mesh,
-    count: usize,
+    #[pyo3(from_py_with = parameters::count)] count: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Arrays<'py>, Failure> {
     let mesh = Arc::clone(&mesh.inner);

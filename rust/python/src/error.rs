@@ -1,15 +1,18 @@
 //! The exceptions of the package.
 
-use pyo3::PyErr;
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyException, PyMemoryError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
 use spectral_tv::Error;
 
 create_exception!(
     spectral_tv,
     MeshError,
     PyValueError,
-    "A mesh, an array or a parameter cannot be used; the message says what is wrong and where."
+    "A mesh, an array or a parameter cannot be used; the message says what is wrong and where.\n\n\
+     `vertices` and `faces`, (n,) int64 arrays, are the indices of all elements that are at fault,\n\
+     empty where it is not theirs."
 );
 create_exception!(
     spectral_tv,
@@ -24,12 +27,42 @@ pub struct Failure(PyErr);
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let message = error.to_string();
-        Self(match error {
+        Self(match &error {
             Error::Cancelled => Cancelled::new_err(message),
+            Error::Memory(_) => PyMemoryError::new_err(message),
             Error::Solver(_) => PyRuntimeError::new_err(message),
-            _ => MeshError::new_err(message),
+            _ => mesh_error(&error),
         })
     }
+}
+
+/// The exception of an error that may concern elements of the mesh, which it then names.
+fn mesh_error(error: &Error) -> PyErr {
+    let exception = MeshError::new_err(error.to_string());
+    Python::attach(|py| {
+        let name_elements = |attribute: &str, elements: &[usize]| match elements {
+            [] => Ok(()),
+            _ => exception
+                .value(py)
+                .setattr(attribute, indices(py, elements)),
+        };
+        // An exception takes any attribute; if it did not, its message would still tell.
+        let _ = name_elements("vertices", error.vertices());
+        let _ = name_elements("faces", error.triangles());
+    });
+    exception
+}
+
+/// Gives the class the attributes that its exceptions have where no element is at fault.
+pub fn prepare(py: Python<'_>) -> PyResult<()> {
+    let class = py.get_type::<MeshError>();
+    class.setattr("vertices", indices(py, &[]))?;
+    class.setattr("faces", indices(py, &[]))
+}
+
+fn indices<'py>(py: Python<'py>, elements: &[usize]) -> Bound<'py, PyArray1<i64>> {
+    let indices: Vec<_> = elements.iter().map(|&index| index as i64).collect();
+    indices.into_pyarray(py)
 }
 
 impl From<PyErr> for Failure {

@@ -8,7 +8,8 @@ use spectral_tv::spectral::{SpectralTransform, even_edges};
 
 use crate::arrays;
 use crate::error::Failure;
-use crate::job::guarded;
+use crate::job::{Task, guarded};
+use crate::parameters;
 use crate::settings::gains as parse_gains;
 
 /// A flow sampled at N + 1 times, made by `flow` or `decompose_image`, or found in
@@ -84,14 +85,14 @@ impl Flow {
 
     /// u(t_k), (N+1, V, C); (N+1, V) if the values were given as (V,).
     #[getter]
-    fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let trajectory = self.transform.trajectory();
-        let nodes = trajectory.times.len();
-        let shape = trajectory.initial().dim();
-        let states = guarded(py, || {
-            Ok(arrays::stacked(nodes, shape, trajectory.states()))
+    fn states<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        let transform = self.transform.clone();
+        let task = Task::start(move |monitor| {
+            let trajectory = transform.trajectory();
+            let (nodes, shape) = (trajectory.times.len(), trajectory.initial().dim());
+            arrays::stacked(nodes, shape, trajectory.states(), monitor.whole())
         })?;
-        self.stack(py, states)
+        Ok(self.stack(py, task.wait(py, None)?)?)
     }
 
     /// TV(u(t_k)), (N+1,), unit of the values × length.
@@ -134,7 +135,7 @@ impl Flow {
     fn band_edges<'py>(
         &self,
         py: Python<'py>,
-        count: usize,
+        #[pyo3(from_py_with = parameters::count)] count: usize,
     ) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         Ok(even_edges(self.transform.times(), count)?.into_pyarray(py))
     }
@@ -149,7 +150,9 @@ impl Flow {
     /// Raises
     /// ------
     /// MeshError
-    ///     If the edges do not increase.
+    ///     If the edges do not increase, or are those of over a million bands.
+    /// MemoryError
+    ///     If the bands do not fit into what is available.
     fn bands<'py>(
         &self,
         py: Python<'py>,
@@ -157,11 +160,12 @@ impl Flow {
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let edges = arrays::list("edges", edges)?;
         let shape = self.transform.trajectory().initial().dim();
-        let bands = guarded(py, || {
-            let bands = self.transform.bands(&edges)?;
-            Ok(arrays::stacked(edges.len() - 1, shape, bands))
+        let transform = self.transform.clone();
+        let task = Task::start(move |monitor| {
+            let bands = transform.bands(&edges)?;
+            arrays::stacked(edges.len() - 1, shape, bands, monitor.whole())
         })?;
-        Ok(self.stack(py, bands)?)
+        Ok(self.stack(py, task.wait(py, None)?)?)
     }
 
     /// The values filtered by H: Σ_k H(t_k) φ_k + R (Brokman et al. 2024, Eq. 53), (V, C).

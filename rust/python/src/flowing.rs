@@ -16,6 +16,7 @@ use crate::error::Failure;
 use crate::flow::{Flow, Layout};
 use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
+use crate::parameters;
 use crate::settings::{scheme as parse_scheme, solver as parse_solver};
 
 /// Flow a function on the mesh, in the metric of the mesh.
@@ -67,7 +68,7 @@ pub fn flow(
     exact: bool,
     progress: Option<&Bound<'_, PyAny>>,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
 ) -> Result<Flow, Failure> {
     let request = FlowRequest {
@@ -103,7 +104,7 @@ pub fn start_flow(
     operator: &str,
     exact: bool,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
 ) -> Result<Job, Failure> {
     let request = FlowRequest {
@@ -199,8 +200,8 @@ fn start<T: Send + 'static>(
 pub fn conformal_flow<'py>(
     py: Python<'py>,
     mesh: &Mesh,
-    time: f64,
-    steps: usize,
+    #[pyo3(from_py_with = parameters::time)] time: f64,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
     progress: Option<&Bound<'py, PyAny>>,
     solver: &str,
 ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {

@@ -9,6 +9,7 @@ use crate::arrays;
 use crate::error::Failure;
 use crate::flow::{Flow, Layout};
 use crate::job::{Convert, Job, Task};
+use crate::parameters;
 use crate::settings::{scheme as parse_scheme, solver as parse_solver};
 
 /// Split an image into bands by spectral TV, its channels together.
@@ -65,11 +66,11 @@ pub fn decompose_image(
     image: &Bound<'_, PyAny>,
     metric: &str,
     times: Option<Bound<'_, PyAny>>,
-    steps: usize,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
     progress: Option<&Bound<'_, PyAny>>,
-    height: f64,
+    #[pyo3(from_py_with = parameters::height)] height: f64,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
 ) -> Result<Flow, Failure> {
     let settings = Settings {
@@ -101,10 +102,10 @@ pub fn start_decompose_image(
     image: &Bound<'_, PyAny>,
     metric: &str,
     times: Option<Bound<'_, PyAny>>,
-    steps: usize,
-    height: f64,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
+    #[pyo3(from_py_with = parameters::height)] height: f64,
     scheme: &str,
-    tolerance: f64,
+    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     solver: &str,
 ) -> Result<Job, Failure> {
     let settings = Settings {
@@ -124,8 +125,10 @@ fn parse_metric(metric: &str, height: f64) -> Result<Metric, Failure> {
     let refuse = |message: String| Err(Error::Argument(message).into());
     match metric {
         "flat" => Ok(Metric::Flat),
-        "surface" if height > 0.0 && height.is_finite() => Ok(Metric::Surface { height }),
-        "surface" => refuse(format!("height must be above 0 and finite, not {height}")),
+        "surface" if height > 0.0 && height <= 1e100 => Ok(Metric::Surface { height }),
+        "surface" => refuse(format!(
+            "height must be above 0 and at most 1e100, not {height:?}"
+        )),
         other => refuse(format!(
             "metric must be \"flat\" or \"surface\", not {other:?}"
         )),

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use spectral_tv::monitor::Monitor;
 
@@ -48,6 +48,11 @@ impl<T: Send + 'static> Task<T> {
     /// Waits without the GIL; `progress` is called with the fraction done. A signal such as
     /// Ctrl-C or an exception from `progress` cancels the work and is passed on.
     pub fn wait(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<T, Failure> {
+        if let Some(progress) = progress.filter(|progress| !progress.is_callable()) {
+            self.monitor.cancel();
+            let message = format!("progress must be callable, not {}", progress.repr()?);
+            return Err(PyTypeError::new_err(message).into());
+        }
         loop {
             let outcome = py.detach(|| self.receive(POLL));
             if let Some(outcome) = outcome {

@@ -14,6 +14,7 @@ mod flowing;
 mod image;
 mod job;
 mod mesh;
+mod parameters;
 mod segmentation;
 mod settings;
 
@@ -24,6 +25,7 @@ use pyo3::prelude::*;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    error::prepare(py)?;
     module.add("MeshError", py.get_type::<error::MeshError>())?;
     module.add("Cancelled", py.get_type::<error::Cancelled>())?;
     module.add_class::<mesh::Mesh>()?;

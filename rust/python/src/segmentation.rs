@@ -9,6 +9,7 @@ use spectral_tv::segmentation;
 use crate::decomposition::Decomposition;
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task};
+use crate::parameters;
 
 type Labels = Vec<Vec<usize>>;
 
@@ -41,8 +42,8 @@ type Labels = Vec<Vec<usize>>;
 pub fn cosegment<'py>(
     py: Python<'py>,
     decompositions: Vec<Bound<'py, Decomposition>>,
-    segments: usize,
-    seed: u64,
+    #[pyo3(from_py_with = parameters::segments)] segments: usize,
+    #[pyo3(from_py_with = parameters::seed)] seed: u64,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Vec<Bound<'py, PyArray1<i64>>>, Failure> {
     let labels = start(&decompositions, segments, seed, |labels| labels)?.wait(py, progress)?;
@@ -54,8 +55,8 @@ pub fn cosegment<'py>(
 #[pyo3(signature = (decompositions, segments = 6, seed = 0))]
 pub fn start_cosegment(
     decompositions: Vec<Bound<'_, Decomposition>>,
-    segments: usize,
-    seed: u64,
+    #[pyo3(from_py_with = parameters::segments)] segments: usize,
+    #[pyo3(from_py_with = parameters::seed)] seed: u64,
 ) -> Result<Job, Failure> {
     let task = start(&decompositions, segments, seed, |labels| -> Convert {
         Box::new(move |py| Ok(arrays(py, labels).into_pyobject(py)?.into_any().unbind()))

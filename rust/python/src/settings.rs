@@ -6,11 +6,13 @@ use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::Weights;
 use spectral_tv::method::{self, Base, Method, Metric, Scheme, Settings, Steps, relative_scales};
+use spectral_tv::minimization::check_tolerance;
 use spectral_tv::solver::Solver;
 
 use crate::arrays;
 use crate::error::Failure;
 use crate::job::guarded;
+use crate::parameters;
 
 /// The keyword arguments of `decompose` and `start_decompose`.
 pub struct Request<'a, 'py> {
@@ -56,7 +58,10 @@ impl<'a> Request<'a, '_> {
                 None => None,
             },
             steps: match self.accuracy {
-                Some(accuracy) => Steps::Accuracy(accuracy),
+                Some(accuracy) => {
+                    method::check_accuracy(accuracy)?;
+                    Steps::Accuracy(accuracy)
+                }
                 None => Steps::Count(self.steps),
             },
             scheme: scheme(self.scheme, self.tolerance)?,
@@ -65,6 +70,13 @@ impl<'a> Request<'a, '_> {
     }
 
     fn method(&self) -> Result<Method, Failure> {
+        if !(1..=3).contains(&self.p) {
+            let message = format!("p must be 1, 2 or 3, not {}", self.p);
+            return Err(Error::Argument(message).into());
+        }
+        if self.eigenpairs == 0 {
+            return Err(Error::Argument("eigenpairs must be at least 1".into()).into());
+        }
         let has_base = matches!(self.method, "m3" | "displacement");
         if (self.base.is_some() || self.base_time.is_some()) && !has_base {
             let message = "base and base_time are for the methods \"m3\" and \"displacement\" only";
@@ -95,9 +107,6 @@ impl<'a> Request<'a, '_> {
                 base: self.base()?,
                 metric,
             }),
-            "lb" if self.eigenpairs == 0 => {
-                Err(Error::Argument("eigenpairs must be at least 1".into()).into())
-            }
             "lb" => Ok(Method::LaplaceBeltrami {
                 eigenpairs: self.eigenpairs,
             }),
@@ -141,7 +150,10 @@ impl<'a> Request<'a, '_> {
 ///     If there is no such method.
 #[pyfunction]
 #[pyo3(signature = (method, eigenpairs = 300))]
-pub fn default_scales(method: &str, eigenpairs: usize) -> Result<(f64, f64), Failure> {
+pub fn default_scales(
+    method: &str,
+    #[pyo3(from_py_with = parameters::eigenpairs)] eigenpairs: usize,
+) -> Result<(f64, f64), Failure> {
     let request = Request {
         eigenpairs,
         ..Request::plain(method, 1)
@@ -170,9 +182,9 @@ pub fn default_scales(method: &str, eigenpairs: usize) -> Result<(f64, f64), Fai
 #[pyo3(signature = (finest, largest, steps = 32))]
 pub fn graded_times(
     py: Python<'_>,
-    finest: f64,
-    largest: f64,
-    steps: usize,
+    #[pyo3(from_py_with = parameters::finest)] finest: f64,
+    #[pyo3(from_py_with = parameters::largest)] largest: f64,
+    #[pyo3(from_py_with = parameters::steps)] steps: usize,
 ) -> Result<Bound<'_, PyArray1<f64>>, Failure> {
     let times = guarded(py, || method::graded_times(finest, largest, steps))?;
     Ok(times.into_pyarray(py))
@@ -180,6 +192,8 @@ pub fn graded_times(
 
 /// The way steps are taken.
 pub fn scheme(name: &str, tolerance: f64) -> Result<Scheme, Failure> {
+    // Refused even where it is of no account: it is a mistake in any case.
+    check_tolerance(tolerance)?;
     match name {
         "lagged" => Ok(Scheme::SemiImplicit(Weights::Lagged)),
         "extrapolated" => Ok(Scheme::SemiImplicit(Weights::Extrapolated)),

@@ -1,5 +1,6 @@
 //! What can go wrong, said so that the caller finds the place.
 
+use ndarray::ArrayView2;
 use thiserror::Error;
 
 /// The result of every fallible function of this crate.
@@ -13,20 +14,26 @@ pub(crate) fn has_usable_size(value: f64) -> bool {
 /// Why a call was refused or ended early.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} has a coordinate that is not finite: {position:?}")]
-    NonFiniteVertex {
-        /// Index of the vertex.
-        vertex: usize,
-        /// Its position.
+    /// Coordinates are NaN or infinite.
+    #[error(
+        "vertex {} has a coordinate that is not finite: {position:?}{}",
+        vertices[0], others(vertices)
+    )]
+    NonFiniteVertices {
+        /// Indices of the vertices, at least one.
+        vertices: Vec<usize>,
+        /// The position of the first.
         position: [f64; 3],
     },
-    /// A triangle refers to a vertex that does not exist.
-    #[error("triangle {triangle} refers to vertex {index}, but the vertices are 0 to {last}")]
-    IndexOutOfRange {
-        /// Index of the triangle.
-        triangle: usize,
-        /// The index found there.
+    /// Triangles refer to vertices that do not exist.
+    #[error(
+        "triangle {} refers to vertex {index}, but the vertices are 0 to {last}{}",
+        triangles[0], others(triangles)
+    )]
+    IndicesOutOfRange {
+        /// Indices of the triangles, at least one.
+        triangles: Vec<usize>,
+        /// The index found in the first.
         index: i64,
         /// The largest valid index.
         last: usize,
@@ -37,22 +44,81 @@ pub enum Error {
     /// The value of an argument makes no sense.
     #[error("{0}")]
     Argument(String),
-    /// A per-vertex value is NaN or infinite.
+    /// Values of vertices are NaN, infinite or too large.
     #[error(
-        "the value of vertex {vertex}, channel {channel}, is not finite, or beyond 1e100: {value}"
+        "the value of vertex {}, channel {channel}, is not finite, or beyond 1e100: {value:?}{}",
+        vertices[0], others(vertices)
     )]
-    NonFiniteValue {
-        /// Index of the vertex.
-        vertex: usize,
-        /// Index of the channel.
+    NonFiniteValues {
+        /// Indices of the vertices, at least one.
+        vertices: Vec<usize>,
+        /// Index of the first one's channel.
         channel: usize,
         /// The value found there.
+        value: f64,
+    },
+    /// Coordinates of a base shape are NaN, infinite or too large.
+    #[error(
+        "base vertex {} has a coordinate ({axis}) that is not finite, or beyond 1e100: {value:?}{}",
+        vertices[0], others(vertices)
+    )]
+    NonFiniteBase {
+        /// Indices of the vertices, at least one.
+        vertices: Vec<usize>,
+        /// The axis of the first one's coordinate.
+        axis: usize,
+        /// The coordinate.
         value: f64,
     },
     /// A linear system could not be solved.
     #[error("the linear system of a step could not be solved: {0}")]
     Solver(String),
+    /// The work takes more memory than there is.
+    #[error("{0}")]
+    Memory(String),
     /// The caller asked for the work to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl Error {
+    /// The vertices that are at fault, all of them; none where the fault is not theirs.
+    pub fn vertices(&self) -> &[usize] {
+        match self {
+            Self::NonFiniteVertices { vertices, .. }
+            | Self::NonFiniteValues { vertices, .. }
+            | Self::NonFiniteBase { vertices, .. } => vertices,
+            _ => &[],
+        }
+    }
+
+    /// The triangles that are at fault, likewise.
+    pub fn triangles(&self) -> &[usize] {
+        match self {
+            Self::IndicesOutOfRange { triangles, .. } => triangles,
+            _ => &[],
+        }
+    }
+}
+
+/// How many elements a message does not name, as its end.
+fn others(elements: &[usize]) -> String {
+    match elements.len() - 1 {
+        0 => String::new(),
+        count => format!("; so it is with {count} more"),
+    }
+}
+
+/// Of the values (C, V) of vertices, all vertices with an unusable one, and the first of these
+/// with its channel and value.
+pub(crate) fn unusable_values(values: ArrayView2<f64>) -> Option<(Vec<usize>, usize, f64)> {
+    let is_usable = |vertex: &usize| {
+        let channels = values.column(*vertex);
+        channels.iter().all(|value| has_usable_size(*value))
+    };
+    let vertices: Vec<_> = (0..values.ncols()).filter(|v| !is_usable(v)).collect();
+    let channels = values.column(*vertices.first()?);
+    let channel = channels.iter().position(|value| !has_usable_size(*value))?;
+    let value = channels[channel];
+    Some((vertices, channel, value))
 }

@@ -14,6 +14,7 @@ pub mod eigenset;
 pub mod error;
 pub mod flow;
 pub mod image;
+pub mod memory;
 pub mod mesh;
 pub mod method;
 pub mod minimization;

@@ -6,7 +6,7 @@ use crate::deformation::constraints::{Constraints, Targets};
 use crate::deformation::deform::{Deformation, carried};
 use crate::deformation::problem::Problem;
 use crate::deformation::span::Span;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
 use crate::monitor::Stage;
@@ -74,9 +74,9 @@ impl Deformer {
         softness: f64,
         stage: Stage,
     ) -> Result<Self> {
-        if !(softness >= 0.0 && softness.is_finite()) {
+        if !(softness >= 0.0 && has_usable_size(softness)) {
             return Err(Error::Argument(format!(
-                "softness must be a length, 0 or more, not {softness}"
+                "softness must be a length, 0 or more, not {softness:?}"
             )));
         }
         let operators = Discretization::new(mesh, stage)?;

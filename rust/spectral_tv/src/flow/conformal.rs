@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ndarray::{Array2, ArrayView2};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::flow::law::Law;
 use crate::flow::recorder::check_steps;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
@@ -93,9 +93,9 @@ pub fn conformal_mean_curvature_flow(
     solver: Solver,
     stage: Stage,
 ) -> Result<Array2<f64>> {
-    if !(duration > 0.0 && duration.is_finite()) {
+    if !(duration > 0.0 && has_usable_size(duration)) {
         return Err(Error::Argument(format!(
-            "time must be positive and finite, not {duration}"
+            "time must be positive and at most 1e100, not {duration:?}"
         )));
     }
     check_steps(steps)?;

@@ -179,13 +179,12 @@ fn check_vertices(vertices: &[[f64; 3]]) -> Result<()> {
             u32::MAX
         )));
     }
-    match vertices
-        .iter()
-        .position(|p| !p.iter().all(|x| x.is_finite()))
-    {
-        Some(vertex) => Err(Error::NonFiniteVertex {
-            vertex,
-            position: vertices[vertex],
+    let is_broken = |vertex: &usize| !vertices[*vertex].iter().all(|x| x.is_finite());
+    let broken: Vec<_> = (0..vertices.len()).filter(is_broken).collect();
+    match broken.first() {
+        Some(&first) => Err(Error::NonFiniteVertices {
+            position: vertices[first],
+            vertices: broken,
         }),
         None => Ok(()),
     }
@@ -195,18 +194,20 @@ fn check_triangles(triangles: &[[i64; 3]], vertex_count: usize) -> Result<Arc<[[
     if triangles.is_empty() {
         return Err(Error::Unusable("the mesh has no triangles".into()));
     }
+    if vertex_count == 0 {
+        let message = "the mesh has triangles but no vertices";
+        return Err(Error::Unusable(message.into()));
+    }
     let valid = 0..vertex_count as i64;
-    for (triangle, corners) in triangles.iter().enumerate() {
-        if let Some(&index) = corners.iter().find(|index| !valid.contains(index)) {
-            return Err(match vertex_count {
-                0 => Error::Unusable("the mesh has triangles but no vertices".into()),
-                _ => Error::IndexOutOfRange {
-                    triangle,
-                    index,
-                    last: vertex_count - 1,
-                },
-            });
-        }
+    let stray = |triangle: usize| triangles[triangle].iter().find(|i| !valid.contains(i));
+    let broken = |triangle: &usize| stray(*triangle).is_some();
+    let broken: Vec<_> = (0..triangles.len()).filter(broken).collect();
+    if let Some(&index) = broken.first().and_then(|&first| stray(first)) {
+        return Err(Error::IndicesOutOfRange {
+            triangles: broken,
+            index,
+            last: vertex_count - 1,
+        });
     }
     Ok(triangles
         .iter()
@@ -242,10 +243,14 @@ mod tests {
         );
         let error = TriangleMesh::new(vertices.clone(), &[[0, -1, 2]]).unwrap_err();
         assert!(error.to_string().contains("triangle 0 refers to vertex -1"));
+        assert_eq!(error.triangles(), [0]);
         assert!(TriangleMesh::new(vertices.clone(), &[]).is_err());
         vertices[2][1] = f64::NAN;
+        vertices[3][0] = f64::INFINITY;
         let error = TriangleMesh::new(vertices, &[[0, 1, 2]]).unwrap_err();
         assert!(error.to_string().starts_with("vertex 2 has a coordinate"));
+        assert!(error.to_string().ends_with("; so it is with 1 more"));
+        assert_eq!(error.vertices(), [2, 3]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::mesh::TriangleMesh;
 use crate::method::{Settings, decompose};
 use crate::monitor::Stage;
@@ -35,22 +35,22 @@ impl Exaggeration {
     }
 
     fn check(&self) -> Result<()> {
-        if !(0.0 <= self.from && self.from < self.to && self.to.is_finite()) {
+        if !(0.0 <= self.from && self.from < self.to && has_usable_size(self.to)) {
             return Err(Error::Argument(format!(
-                "band must be two increasing numbers of 0 or more, not {} and {}",
+                "band must be two increasing numbers from 0 to 1e100, not {:?} and {:?}",
                 self.from, self.to
             )));
         }
-        if !(self.smooth >= 0.0 && self.smooth.is_finite()) {
+        if !(self.smooth >= 0.0 && has_usable_size(self.smooth)) {
             return Err(Error::Argument(format!(
-                "smooth must be 0 or more and finite, not {}",
+                "smooth must be 0 or more and at most 1e100, not {:?}",
                 self.smooth
             )));
         }
-        match self.gain.is_finite() {
+        match has_usable_size(self.gain) {
             true => Ok(()),
             false => Err(Error::Argument(format!(
-                "gain must be finite, not {}",
+                "gain must be finite and at most 1e100 in size, not {:?}",
                 self.gain
             ))),
         }

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayView2, Axis};
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{Error, Result, has_usable_size, unusable_values};
 use crate::flow::conformal_mean_curvature_flow;
 use crate::mesh::TriangleMesh;
 use crate::method::outward::outward_signs;
@@ -73,14 +73,16 @@ impl Base {
         stage: Stage,
     ) -> Result<Array2<f64>> {
         match self {
-            Self::ConformalFlow { steps, .. } => conformal_mean_curvature_flow(
-                mesh,
-                operators,
-                self.duration(mesh.area()),
-                steps.unwrap_or(BASE_STEPS),
-                solver,
-                stage,
-            ),
+            Self::ConformalFlow { steps, .. } => {
+                let duration = self.duration(mesh.area());
+                if !(duration > 0.0 && has_usable_size(duration)) {
+                    return Err(Error::Argument(format!(
+                        "base_time must be positive and at most 1e100, not {duration:?}"
+                    )));
+                }
+                let steps = steps.unwrap_or(BASE_STEPS);
+                conformal_mean_curvature_flow(mesh, operators, duration, steps, solver, stage)
+            }
             Self::Shape(shape) => {
                 if shape.dim() != (3, mesh.vertex_count()) {
                     return Err(Error::Argument(format!(
@@ -89,14 +91,12 @@ impl Base {
                         shape.ncols()
                     )));
                 }
-                match shape
-                    .indexed_iter()
-                    .find(|(_, value)| !has_usable_size(**value))
-                {
-                    Some(((axis, vertex), value)) => Err(Error::Argument(format!(
-                        "base vertex {vertex} has a coordinate ({axis}) that is not finite, \
-                         or beyond 1e100: {value}"
-                    ))),
+                match unusable_values(shape.view()) {
+                    Some((vertices, axis, value)) => Err(Error::NonFiniteBase {
+                        vertices,
+                        axis,
+                        value,
+                    }),
                     None => Ok(shape.clone()),
                 }
             }

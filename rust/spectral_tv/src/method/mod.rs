@@ -16,6 +16,7 @@ mod representation;
 mod schedule;
 
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
+pub use adaptive_steps::check_accuracy;
 pub use caricature::{Exaggeration, caricature};
 pub use decompose::{Scheme, Settings, Steps, decompose, run_flow};
 pub use decomposition::Decomposition;

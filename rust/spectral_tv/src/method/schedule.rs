@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::flow::check_steps;
 use crate::method::Method;
 
@@ -27,10 +27,10 @@ pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64
 /// for steps between them.
 pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>> {
     check_steps(steps)?;
-    if !(0.0 < finest && finest < largest && largest.is_finite()) {
+    if !(0.0 < finest && finest < largest && has_usable_size(largest)) {
         return Err(Error::Argument(format!(
-            "the finest scale must be above 0 and below the largest, but they are {finest:e} \
-             and {largest:e}"
+            "the finest scale must be above 0 and below the largest, and that at most 1e100, but \
+             they are {finest:e} and {largest:e}"
         )));
     }
     let range = 1.0 + largest / finest;

@@ -11,6 +11,6 @@ pub fn check_tolerance(tolerance: f64) -> Result<()> {
         return Ok(());
     }
     Err(Error::Argument(format!(
-        "tolerance must be between 0 and 1, not {tolerance}"
+        "tolerance must be between 0 and 1, not {tolerance:?}"
     )))
 }

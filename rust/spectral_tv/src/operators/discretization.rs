@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use ndarray::{Array2, ArrayView2};
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{Error, Result, unusable_values};
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
 use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
@@ -93,12 +93,9 @@ impl Discretization {
                 self.masses.len()
             )));
         }
-        match values
-            .indexed_iter()
-            .find(|(_, value)| !has_usable_size(**value))
-        {
-            Some(((channel, vertex), &value)) => Err(Error::NonFiniteValue {
-                vertex,
+        match unusable_values(values) {
+            Some((vertices, channel, value)) => Err(Error::NonFiniteValues {
+                vertices,
                 channel,
                 value,
             }),

@@ -13,6 +13,11 @@ use ndarray::Array2;
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
+use crate::memory::zeros;
+
+/// For refusals.
+const WHAT: &str = "the factor of the mesh's matrix";
+const ADVICE: &str = "take a smaller mesh, or the solver \"multigrid\" for a flow";
 
 /// A factorization P K Pᵀ = L Lᵀ of symmetric positive definite matrices of one pattern.
 ///
@@ -31,7 +36,7 @@ impl Analysis {
     /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
     ///
     /// # Errors
-    /// [`Error::Solver`] if memory or the index range does not suffice.
+    /// [`Error::Memory`], or [`Error::Solver`] if the index range does not suffice.
     pub fn new(lower: &CsMatI<f64, u32>) -> Result<Self> {
         let params = CholeskySymbolicParams {
             // Simplicial factorization is several times slower at every size that matters.
@@ -57,7 +62,7 @@ impl Analysis {
     /// Makes room for the factor.
     ///
     /// # Errors
-    /// [`Error::Solver`] if memory does not suffice.
+    /// [`Error::Memory`].
     pub fn prepare(self) -> Result<Cholesky> {
         let Self(symbolic) = self;
         let request = StackReq::any_of(&[
@@ -65,12 +70,8 @@ impl Analysis {
             symbolic.solve_in_place_scratch::<f64>(MOST_RIGHT_HAND_SIDES, Par::Seq),
         ]);
         let workspace = MemBuffer::try_new(request)
-            .map_err(|_| Error::Solver("out of memory for the factorization".into()))?;
-        let mut factor = Vec::new();
-        factor
-            .try_reserve_exact(symbolic.len_val())
-            .map_err(|_| Error::Solver("out of memory for the factor".into()))?;
-        factor.resize(symbolic.len_val(), 0.0);
+            .map_err(|_| Error::Memory(format!("{WHAT} cannot have its workspace; {ADVICE}")))?;
+        let factor = zeros(symbolic.len_val(), WHAT, ADVICE)?;
         Ok(Cholesky {
             symbolic,
             factor,
@@ -84,7 +85,7 @@ impl Cholesky {
     /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
     ///
     /// # Errors
-    /// [`Error::Solver`] if memory or the index range does not suffice.
+    /// [`Error::Memory`], or [`Error::Solver`] if the index range does not suffice.
     pub fn analyse(lower: &CsMatI<f64, u32>) -> Result<Self> {
         Analysis::new(lower)?.prepare()
     }

@@ -28,11 +28,21 @@ pub fn even_edges(times: &[f64], count: usize) -> Result<Vec<f64>> {
     Ok((0..=count).map(edge).collect())
 }
 
+/// Most bands at a time: a million are more than any flow has components.
+const MOST_BANDS: usize = 1_000_000;
+
 /// Refuses edges that do not cut the time axis into bands.
 ///
 /// # Errors
-/// If there are fewer than two edges, one is NaN, or they do not increase.
+/// If there are fewer than two edges or those of over a million bands, one is NaN, or they do not
+/// increase.
 pub fn check_edges(edges: &[f64]) -> Result<()> {
+    if edges.len() > MOST_BANDS + 1 {
+        return Err(Error::Argument(format!(
+            "edges must be those of at most {MOST_BANDS} bands, not {}",
+            edges.len() - 1
+        )));
+    }
     if edges.len() < 2 {
         return Err(Error::Argument(format!(
             "edges needs at least two values, but has {}",

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ndarray::{Array2, ArrayView1, ArrayView2};
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 use crate::flow::Trajectory;
 use crate::monitor::Stage;
 use crate::spectral::check_edges;
@@ -114,9 +114,11 @@ impl SpectralTransform {
                 gains.len()
             )));
         }
-        if let Some(k) = gains.iter().position(|gain| !gain.is_finite()) {
+        if let Some(k) = gains.iter().position(|gain| !has_usable_size(*gain)) {
             let gain = gains[k];
-            return Err(Error::Argument(format!("gains[{k}] is not finite: {gain}")));
+            return Err(Error::Argument(format!(
+                "gains[{k}] is not finite, or beyond 1e100: {gain:?}"
+            )));
         }
         Ok(self.combination(gains) + self.residual())
     }
