@@ -107,15 +107,17 @@ class Settings:
             arguments["accuracy"] = self.accuracy
         return arguments
 
-    def method_arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
-        """Those that name the method and its base."""
+    def method_arguments(
+        self, mesh: spectral_tv.Mesh | None, base: np.ndarray | None
+    ) -> dict[str, Any]:
+        """Those that name the method and, where there is a mesh, its base."""
         method, _, p = self.method.lower().partition("_p")
         arguments: dict[str, Any] = {"method": method}
         if p:
             arguments["p"] = int(p)
         if self.method in WITH_BASE and base is not None:
             arguments["base"] = base
-        elif self.method in WITH_BASE and self.base_amount:
+        elif self.method in WITH_BASE and self.base_amount and mesh is not None:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
 

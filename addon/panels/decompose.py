@@ -3,6 +3,7 @@
 import bpy
 
 from .. import jobs
+from ..estimates import estimate, told
 from ..objects import refusal
 from ..operators.decompose import SPECTRAL_TV_OT_decompose
 from ..properties import DecompositionProperties, copy_choices, draw_method
@@ -36,6 +37,12 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
             text = f"{obj.data.users} objects share this mesh; all of them get the bands"
             say(layout, context, text, "INFO")
         draw_fault(layout, context)
+        if reason is None:
+            chosen = settings.settings()
+            found = estimate(chosen, len(obj.data.vertices))
+            text = told(found, chosen.is_adaptive)
+            if text is not None:
+                say(layout, context, text, "TIME" if found.fits else "ERROR")
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")

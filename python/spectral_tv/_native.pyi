@@ -11,6 +11,7 @@ __all__ = [
     "Deformation",
     "Deformer",
     "EigensetTest",
+    "Estimate",
     "Flow",
     "Job",
     "Mesh",
@@ -26,6 +27,7 @@ __all__ = [
     "deform",
     "eigenpairs",
     "eigenset_test",
+    "estimate",
     "flow",
     "graded_times",
     "start_accuracy",
@@ -184,6 +186,17 @@ class EigensetTest:
     def is_eigenset(self) -> bool: ...
 
 @final
+class Estimate:
+    @property
+    def bytes(self) -> int: ...
+    @property
+    def available(self) -> int | None: ...
+    @property
+    def fits(self) -> bool: ...
+    @property
+    def seconds(self) -> float: ...
+
+@final
 class Job:
     @property
     def progress(self) -> float: ...
@@ -225,6 +238,22 @@ def start_decompose(
     eigenpairs: int = 300,
     metric: Literal["surface", "base"] = "surface",
 ) -> Job: ...
+def estimate(
+    mesh: Mesh | int,
+    method: _Method = "m1",
+    times: ArrayLike | None = None,
+    steps: int = 32,
+    *,
+    accuracy: float | None = None,
+    scheme: _Scheme = "extrapolated",
+    tolerance: float = 1e-3,
+    solver: _Solver = "auto",
+    p: int = 3,
+    base: ArrayLike | None = None,
+    base_time: float | None = None,
+    eigenpairs: int = 300,
+    metric: Literal["surface", "base"] = "surface",
+) -> Estimate: ...
 def decompose_image(
     image: ArrayLike,
     metric: Literal["flat", "surface"] = "flat",

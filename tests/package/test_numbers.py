@@ -20,6 +20,7 @@ DEFORMER = spectral_tv.Deformer(MESH, [0, 1])
 # What every function and method is called with, but for the number in question.
 CALLS = {
     "decompose": (MESH, "m1"),
+    "estimate": (MESH, "m1"),
     "decompose_image": (IMAGE, "surface"),
     "accuracy": (MESH,),
     "eigenpairs": (MESH,),

@@ -188,6 +188,8 @@ impl Decomposition {
 /// ------
 /// MeshError
 ///     If an argument is of the wrong shape, not finite, or out of range; says where.
+/// MemoryError
+///     If the work takes more than is available, before it starts.
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, progress = None, *,
                     accuracy = None, scheme = "extrapolated", tolerance = 1e-3,

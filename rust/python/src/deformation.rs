@@ -129,6 +129,8 @@ impl Shape {
 /// MeshError
 ///     If an argument is of the wrong shape, not finite, or out of range; if there are no
 ///     constraints, two exact targets of a vertex differ, or no vertex is left to move.
+/// MemoryError
+///     If the work takes more than is available, before it starts.
 #[pyfunction]
 #[pyo3(signature = (mesh, indices, targets, weights = None, softness = 0.0, tolerance = 1e-3,
                     algorithm = "convex", progress = None))]

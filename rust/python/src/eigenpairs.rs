@@ -40,6 +40,8 @@ type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 /// ------
 /// MeshError
 ///     If count is 0.
+/// MemoryError
+///     If the work takes more than is available, before it starts.
 #[pyfunction]
 #[pyo3(signature = (mesh, count, progress = None))]
 pub fn eigenpairs<'py>(

@@ -54,6 +54,8 @@ use crate::settings::{scheme as parse_scheme, solver as parse_solver};
 /// ------
 /// MeshError
 ///     If an argument is of the wrong shape, not finite, or out of range; says where.
+/// MemoryError
+///     If the work takes more than is available, before it starts.
 #[pyfunction]
 #[pyo3(signature = (image, metric = "flat", times = None, steps = 32, progress = None, *,
                     height = 32.0, scheme = "extrapolated", tolerance = 1e-3, solver = "auto"))]

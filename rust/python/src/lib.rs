@@ -9,6 +9,7 @@ mod deformer;
 mod eigenpairs;
 mod eigenset;
 mod error;
+mod estimate;
 mod flow;
 mod flowing;
 mod image;
@@ -35,6 +36,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<deformation::Deformation>()?;
     module.add_class::<deformer::Deformer>()?;
     module.add_class::<eigenset::EigensetTest>()?;
+    module.add_class::<estimate::Estimate>()?;
     module.add_class::<job::Job>()?;
     module.add_function(wrap_pyfunction!(accuracy::accuracy, module)?)?;
     module.add_function(wrap_pyfunction!(accuracy::start_accuracy, module)?)?;
@@ -47,6 +49,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(eigenpairs::eigenpairs, module)?)?;
     module.add_function(wrap_pyfunction!(eigenset::eigenset_test, module)?)?;
     module.add_function(wrap_pyfunction!(eigenset::start_eigenset_test, module)?)?;
+    module.add_function(wrap_pyfunction!(estimate::estimate, module)?)?;
     module.add_function(wrap_pyfunction!(flowing::flow, module)?)?;
     module.add_function(wrap_pyfunction!(flowing::start_flow, module)?)?;
     module.add_function(wrap_pyfunction!(flowing::conformal_flow, module)?)?;

@@ -7,7 +7,8 @@
 //! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
 //!
 //! [`deformation`] stands beside the flows, on [`minimization`]; [`segmentation`] is of what
-//! [`method`] gives; [`eigenset`] tests sets by their [`flow`]; [`image`] flows pixels.
+//! [`method`] gives; [`eigenset`] tests sets by their [`flow`]; [`image`] flows pixels. [`monitor`] and [`memory`] say
+//! to all of them when to stop, and what does not fit.
 
 pub mod deformation;
 pub mod eigenset;

@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use crate::deformation::as_rigid_as_possible::as_rigid_as_possible;
 use crate::deformation::constraints::{Constraints, Targets};
-use crate::deformation::deformer::Deformer;
+use crate::deformation::deformer::{Deformer, check_memory};
 use crate::deformation::problem::Problem;
 use crate::deformation::quadratic::{biharmonic, harmonic};
 use crate::deformation::reweighted::reweighted;
@@ -85,6 +85,7 @@ pub fn deform(
             "softness is for the convex algorithm only".into(),
         ));
     }
+    check_memory(mesh)?;
     let targets = constraints.targets(targets)?;
     let operators = Discretization::new(mesh, stage)?;
     let problem = Problem {

@@ -7,6 +7,7 @@ use crate::deformation::deform::{Deformation, carried};
 use crate::deformation::problem::Problem;
 use crate::deformation::span::Span;
 use crate::error::{Error, Result, has_usable_size};
+use crate::memory::{self, needs};
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
 use crate::monitor::Stage;
@@ -62,6 +63,18 @@ impl Handles {
     }
 }
 
+/// Refuses to deform what does not fit into the memory that is available.
+///
+/// # Errors
+/// [`Error::Memory`].
+pub(super) fn check_memory(mesh: &TriangleMesh) -> Result<()> {
+    memory::check(
+        needs::deformation(needs::Size::of(mesh)),
+        &format!("deforming {} vertices", mesh.vertex_count()),
+        "take a mesh of fewer vertices",
+    )
+}
+
 impl Deformer {
     /// Prepares `mesh` for deformation. `softness` is the width of the stretched zone, a length;
     /// 0 stretches no more than a ring of triangles.
@@ -79,6 +92,7 @@ impl Deformer {
                 "softness must be a length, 0 or more, not {softness:?}"
             )));
         }
+        check_memory(mesh)?;
         let operators = Discretization::new(mesh, stage)?;
         stage.check()?;
         Ok(Self {

@@ -5,6 +5,7 @@ use ndarray::{Array1, Array2, Axis, Slice, aview1};
 use crate::error::{Error, Result};
 use crate::flow::recorder::check_steps;
 use crate::flow::trajectory::Trajectory;
+use crate::memory::{self, needs};
 use crate::mesh::{TriangleMesh, connected_components};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness};
@@ -33,7 +34,7 @@ impl Eigenpairs {
     /// `count`, and memory for about twice as many functions.
     ///
     /// # Errors
-    /// [`Error::Argument`] if `count` is 0, [`Error::Solver`], [`Error::Cancelled`].
+    /// [`Error::Argument`] if `count` is 0, [`Error::Memory`], [`Error::Solver`], [`Error::Cancelled`].
     pub fn lowest(
         mesh: &TriangleMesh,
         operators: &Discretization,
@@ -43,6 +44,15 @@ impl Eigenpairs {
         if count == 0 {
             return Err(Error::Argument("eigenpairs must be at least 1".into()));
         }
+        let count = count.min(mesh.vertex_count());
+        memory::check(
+            needs::eigenpairs(needs::Size::of(mesh), count),
+            &format!(
+                "finding {count} eigenpairs on {} vertices",
+                mesh.vertex_count()
+            ),
+            "take fewer eigenpairs, or a mesh of fewer vertices",
+        )?;
         let mut inverse = Inverse::new(mesh, operators, stage)?;
         let constants = inverse.component_masses.len().min(count);
         let others = (count - constants).min(inverse.dimension());

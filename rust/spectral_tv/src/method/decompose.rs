@@ -6,9 +6,11 @@ use crate::error::{Error, Result};
 use crate::flow::{
     Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow,
 };
+use crate::memory::{self, needs};
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::{FEWEST_STEPS, adapted, subdivided};
 use crate::method::representation::{Flowed, Representation};
+use crate::method::requirements::check_memory;
 use crate::method::{Base, Decomposition, Displacement, Method, default_times, relative_scales};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
@@ -72,7 +74,8 @@ pub struct Settings {
 /// Decomposes the shape of `mesh` into scales.
 ///
 /// # Errors
-/// If a setting makes no sense, a system cannot be solved, or the monitor was cancelled.
+/// If a setting makes no sense, a system cannot be solved, or the monitor was cancelled;
+/// [`Error::Memory`] at once if the work does not fit into what is available.
 pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Result<Decomposition> {
     let has_steps = !matches!(
         settings.method,
@@ -88,6 +91,7 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     }
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
+    check_memory(mesh, settings)?;
     let operators = Discretization::new(mesh, stage)?;
     let mut base = None;
     let (trajectory, displacement) = match &settings.method {
@@ -221,6 +225,19 @@ pub fn run_flow(
     solver: Solver,
     stage: Stage,
 ) -> Result<Trajectory> {
+    let size = needs::Size::new(
+        operators.masses().len(),
+        operators.gradient().triangles().len(),
+    );
+    let is_iterated =
+        !matches!(scheme, Scheme::Exact { .. }) && solver.is_iterative(values.ncols());
+    let needed = needs::flow(size, values.nrows(), times.len(), is_iterated);
+    let what = format!(
+        "a flow of {} steps on {} vertices",
+        times.len().saturating_sub(1),
+        values.ncols()
+    );
+    memory::check(needed, &what, "take fewer steps or vertices")?;
     match scheme {
         Scheme::SemiImplicit(weights) => {
             semi_implicit_flow(operators, law, weights, values, times, solver, stage)

@@ -11,8 +11,10 @@ mod caricature;
 mod decompose;
 mod decomposition;
 mod directional;
+mod duration;
 mod outward;
 mod representation;
+mod requirements;
 mod schedule;
 
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
@@ -21,6 +23,8 @@ pub use caricature::{Exaggeration, caricature};
 pub use decompose::{Scheme, Settings, Steps, decompose, run_flow};
 pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement, Metric};
+pub use duration::decomposition_duration;
+pub use requirements::decomposition_memory;
 pub use schedule::{default_times, graded_times, relative_scales};
 
 /// A method of decomposing a shape into scales.

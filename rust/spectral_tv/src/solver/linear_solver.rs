@@ -33,6 +33,17 @@ pub enum Solver {
     Multigrid,
 }
 
+impl Solver {
+    /// Whether systems of so many unknowns are solved by iteration, whatever couples them.
+    pub fn is_iterative(self, unknowns: usize) -> bool {
+        match self {
+            Self::Auto => unknowns >= LARGE,
+            Self::Cholesky => false,
+            Self::Multigrid => true,
+        }
+    }
+}
+
 /// Solves systems with symmetric positive definite matrices of one pattern.
 pub struct LinearSolver {
     /// The lower triangle, its diagonal not written before a factorization needs it.

@@ -1,5 +1,7 @@
 //! How much memory there is, and large arrays that are refused where it does not suffice.
 
+pub mod needs;
+
 use std::fs;
 
 use crate::error::{Error, Result};

@@ -1,0 +1,69 @@
+//! How much memory works take, before they start.
+//!
+//! What is kept (states, eigenfunctions) is counted; what matrices, factors and hierarchies take
+//! besides was fitted to the peaks of processes that worked on 10 000 to 400 000 vertices.
+
+use crate::memory::NUMBER;
+use crate::mesh::TriangleMesh;
+
+/// Bytes per vertex of a flow beside its states, where systems are factorized or iterated on.
+const FACTORIZED: u64 = 1650;
+const ITERATED: u64 = 1450;
+/// The same of eigenpairs beside their functions.
+const LANCZOS: u64 = 2400;
+/// The same of the pair of surfaces that a flow on a base holds.
+const BASE: u64 = 900;
+
+/// How large a mesh is, for what is held of its vertices and triangles: V, or F/4 if that is more: most have 2 V triangles, an image's grid 4 V.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size(u64);
+
+impl Size {
+    /// That of a mesh.
+    pub fn of(mesh: &TriangleMesh) -> Self {
+        Self::new(mesh.vertex_count(), mesh.triangles().len())
+    }
+
+    /// That of a mesh with so many vertices and triangles.
+    pub fn new(vertices: usize, triangles: usize) -> Self {
+        Self(vertices.max(triangles / 4) as u64)
+    }
+
+    /// V, or F/4.
+    pub fn count(self) -> u64 {
+        self.0
+    }
+
+    fn times(self, bytes: u64) -> u64 {
+        self.0.saturating_mul(bytes)
+    }
+}
+
+/// Bytes of a flow of so many channels and steps while it runs; `is_iterated` where systems are
+/// solved by iteration, and increments kept in single precision.
+pub fn flow(size: Size, channels: usize, steps: usize, is_iterated: bool) -> u64 {
+    let (beside, number) = match is_iterated {
+        true => (ITERATED, NUMBER / 2),
+        false => (FACTORIZED, NUMBER),
+    };
+    let states = number
+        .saturating_mul(channels as u64)
+        .saturating_mul(steps as u64);
+    size.times(beside.saturating_add(states))
+}
+
+/// What a flow takes more that goes along a base.
+pub fn base(size: Size) -> u64 {
+    size.times(BASE)
+}
+
+/// Bytes of `count` eigenpairs while they are sought: a basis of up to twice as many functions,
+/// which is moved when it grows.
+pub fn eigenpairs(size: Size, count: usize) -> u64 {
+    size.times(LANCZOS.saturating_add((4 * NUMBER).saturating_mul(count as u64)))
+}
+
+/// Bytes of a deformation while it is sought.
+pub fn deformation(size: Size) -> u64 {
+    size.times(FACTORIZED)
+}

@@ -1,0 +1,58 @@
+"""What a decomposition takes is told where that is worth it, and refused where it does not fit."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import re
+
+import bpy
+import pytest
+from conftest import MODULE
+
+
+def estimates():
+    return importlib.import_module(f"{MODULE}.estimates")
+
+
+def settings(**choices):
+    return importlib.import_module(f"{MODULE}.settings").Settings(**choices)
+
+
+def test_small_works_are_not_worth_a_word():
+    found = estimates().estimate(settings(), 100)
+    assert found.fits
+    assert estimates().told(found) is None
+
+
+@pytest.mark.parametrize(
+    "method", ["M1", "M2", "M3", "NAIVE", "HEAT", "LB", "DISPLACEMENT", "M2_P1"]
+)
+def test_large_ones_of_every_method_are_told_and_those_beyond_all_memory_refused(method):
+    found = estimates().estimate(settings(method=method), 10**13)
+    text = estimates().told(found)
+    assert re.match(r"About \d+(\.\d)? GB of memory, but .* are free: take fewer", text) or (
+        found.available is None and re.match(r"About \d+ h, \d+\.\d GB of memory", text)
+    )
+
+
+def test_an_accuracy_takes_at_least_what_is_told():
+    chosen = settings(accuracy=0.05)
+    found = estimates().estimate(chosen, 10**13)
+    assert estimates().told(found, chosen.is_adaptive).startswith("At least")
+
+
+def test_what_does_not_fit_is_refused_with_advice(monkey):
+    """Eigenfunctions of all vertices of a mesh that is subdivided, in a process without room."""
+    modifier = monkey.modifiers.new("Finer", "SUBSURF")
+    modifier.levels = 4
+    bpy.ops.object.modifier_apply(modifier="Finer")
+    found = estimates().estimate(
+        settings(method="LB", eigenpairs=10_000), len(monkey.data.vertices)
+    )
+    if found.available is None or found.fits:
+        pytest.skip("there is room for it, or the system does not tell")
+    with pytest.raises(RuntimeError, match=r"takes about .* of memory, but .* fewer eigenpairs"):
+        bpy.ops.spectral_tv.decompose(method="LB", eigenpairs=10_000)
+    assert monkey.data.shape_keys is None
+    assert math.isfinite(monkey.data.vertices[0].co.x)

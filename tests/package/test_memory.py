@@ -1,0 +1,132 @@
+"""Memory is estimated before work starts, and work that does not fit is refused."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import spectral_tv
+from shapes import icosphere
+
+TESTS = Path(__file__).resolve().parents[1]
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells its memory")
+
+# What every process begins with: a wavy grid of `side` by `side` vertices, and readings in bytes.
+START = f"""
+import resource, sys
+sys.path.insert(0, {str(TESTS)!r})
+import numpy as np, spectral_tv
+from shapes import grid
+
+def reading(name):
+    lines = open("/proc/self/status").read().splitlines()
+    return next(1024 * int(line.split()[1]) for line in lines if line.startswith(name + ":"))
+
+def surface(side):
+    vertices, triangles = grid(side, side)
+    wave = 0.1 * np.sin(9 * vertices[:, 0]) * np.cos(7 * vertices[:, 1])
+    return spectral_tv.Mesh(vertices + wave[:, np.newaxis] * [0, 0, 1], triangles)
+"""
+
+
+def run(code: str) -> str:
+    """The output of a process of its own, whose peak is not this one's."""
+    command = [sys.executable, "-c", START + code]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@LINUX
+@pytest.mark.parametrize("side", [100, 180])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"method": "m1", "steps": 8},
+        {"method": "m1", "steps": 64},
+        {"method": "m1", "steps": 64, "solver": "multigrid"},
+        {"method": "m1", "steps": 8, "scheme": "exact"},
+        {"method": "m2", "steps": 32},
+        {"method": "m3", "steps": 32},
+        {"method": "naive", "steps": 32},
+        {"method": "heat", "steps": 32},
+        {"method": "lb", "eigenpairs": 100},
+        {"method": "displacement"},
+    ],
+    ids=lambda settings: "-".join(map(str, settings.values())),
+)
+def test_the_estimate_is_within_a_factor_of_two_of_the_peak(side, settings):
+    output = run(f"""
+mesh = surface({side})
+estimate = spectral_tv.estimate(mesh, **{settings!r})
+open("/proc/self/clear_refs", "w").write("5")  # the peak starts from what is held now
+before = reading("VmRSS")
+split = spectral_tv.decompose(mesh, **{settings!r})
+print(estimate.bytes / (reading("VmHWM") - before))
+""")
+    assert 0.5 < float(output) < 2
+
+
+@LINUX
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            "spectral_tv.decompose(mesh, steps=5000)",
+            "decomposing 10000 vertices takes about 1.2 GB",
+        ),
+        ("spectral_tv.start_decompose(mesh, steps=5000).result()", "take fewer steps"),
+        ("spectral_tv.decompose(mesh, 'lb', eigenpairs=9000)", "take fewer eigenpairs"),
+        ("spectral_tv.eigenpairs(mesh, 9000)", "finding 9000 eigenpairs on 10000 vertices"),
+        ("spectral_tv.flow(mesh, mesh.vertices, np.linspace(0, 1, 5000))", "take fewer steps"),
+        ("spectral_tv.decompose_image(np.eye(100), steps=20_000)", "take fewer steps"),
+        ("split.bands(np.linspace(0, 1, 5000))", "an array of 4999 states or bands"),
+        ("split.flow.bands(np.linspace(0, 1, 5000))", "take them in parts"),
+        ("spectral_tv.deform(surface(600), [0, 9], [[0, 0, 0], [1, 1, 1]])", "fewer vertices"),
+    ],
+)
+def test_what_does_not_fit_is_a_memory_error_and_leaves_the_process_alive(call, message):
+    output = run(f"""
+mesh = surface(100)
+split = spectral_tv.decompose(mesh, steps=8)
+room = reading("VmSize") + 400 * 10**6
+resource.setrlimit(resource.RLIMIT_AS, (room, room))
+try:
+    {call}
+except MemoryError as error:
+    print(error)
+again = spectral_tv.decompose(mesh, steps=8)
+assert (again.residual == split.residual).all()
+""")
+    assert message in output
+    assert "are available" in output
+
+
+def test_an_estimate_is_of_a_mesh_or_of_its_number_of_vertices():
+    mesh = spectral_tv.Mesh(*icosphere(3))
+    for method in ("m1", "m2", "m3", "naive", "heat", "lb", "displacement"):
+        one = spectral_tv.estimate(mesh, method)
+        other = spectral_tv.estimate(len(mesh.vertices), method)
+        assert one.bytes == other.bytes > 0
+        assert one.seconds == other.seconds > 0
+        assert one.fits
+        assert (one.available is not None) == (sys.platform == "linux")
+    times = np.linspace(0, 1, 33)
+    assert spectral_tv.estimate(mesh, times=times).bytes == spectral_tv.estimate(mesh).bytes
+    more = [spectral_tv.estimate(mesh, steps=steps).bytes for steps in (8, 16, 32)]
+    assert more == sorted(set(more))
+    least = spectral_tv.estimate(mesh, accuracy=0.1)
+    assert least.bytes == spectral_tv.estimate(mesh, steps=36).bytes
+
+
+def test_an_estimate_refuses_what_decompose_does():
+    with pytest.raises(spectral_tv.MeshError, match="method must be"):
+        spectral_tv.estimate(100, "m4")
+    with pytest.raises(spectral_tv.MeshError, match="steps must be at most 1000000"):
+        spectral_tv.estimate(100, steps=2**40)
+    for mesh in (-1, 1.5, None, "mesh"):
+        with pytest.raises(TypeError, match="mesh must be a Mesh or a number of vertices"):
+            spectral_tv.estimate(mesh)
