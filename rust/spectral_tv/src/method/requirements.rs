@@ -97,7 +97,11 @@ mod tests {
             solver: Solver::Auto,
         };
         let bytes = |vertices: usize, method: Method, steps: usize| {
-            decomposition_memory(vertices, 2 * vertices, &settings(method, steps))
+            decomposition_memory(
+                vertices,
+                vertices.saturating_mul(2),
+                &settings(method, steps),
+            )
         };
         // A million vertices: single precision, 12 bytes for each step and vertex.
         let growth = bytes(1_000_000, Method::ShapeTv, 40) - bytes(1_000_000, Method::ShapeTv, 30);
