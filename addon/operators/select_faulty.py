@@ -1,7 +1,7 @@
 """The operator that selects what a message is about."""
 
+import bmesh
 import bpy
-import numpy as np
 
 from .. import faults
 
@@ -29,17 +29,16 @@ class SPECTRAL_TV_OT_select_faulty(bpy.types.Operator):
         if fault is None:
             self.report({"ERROR"}, f"{obj.name}: its vertices changed since; run it again")
             return {"CANCELLED"}
-        mesh = obj.data
-        for elements in (mesh.polygons, mesh.edges):
-            elements.foreach_set("select", np.zeros(len(elements), dtype=bool))
-        is_chosen = np.zeros(len(mesh.vertices), dtype=bool)
-        is_chosen[fault.vertices] = True
-        is_hidden = np.empty(len(mesh.vertices), dtype=bool)
-        mesh.vertices.foreach_get("hide", is_hidden)
-        mesh.vertices.foreach_set("hide", is_hidden & ~is_chosen)
-        mesh.vertices.foreach_set("select", is_chosen)
         context.tool_settings.mesh_select_mode = (True, False, False)
         bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        edited = bmesh.from_edit_mesh(obj.data)
+        edited.verts.ensure_lookup_table()
+        for index in fault.vertices:
+            vertex = edited.verts[index]
+            vertex.hide_set(False)
+            vertex.select_set(True)
+        bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
         count = len(fault.vertices)
         vertices = "1 vertex" if count == 1 else f"{count} vertices"
         self.report({"INFO"}, f"{obj.name}: {vertices} selected")

@@ -43,6 +43,13 @@ def plotted() -> None:
     bpy.ops.spectral_tv.plot_values(kind="GROUP", source="Cap", steps=4)
 
 
+def torn() -> None:
+    """A ball with a vertex nowhere, which was refused."""
+    ball("Torn").data.vertices[5].co.x = float("nan")
+    with pytest.raises(RuntimeError, match="vertex 5"):
+        bpy.ops.spectral_tv.decompose(**SMALL)
+
+
 def photo() -> None:
     """An image of noise, and no object."""
     image = bpy.data.images.new("Photo", 16, 12)
@@ -71,6 +78,7 @@ CASES = {
     "keyframe": (banded, {}),
     "measure_accuracy": (banded, {"bands": 2, "steps": 8}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
+    "select_faulty": (torn, {}),
     "solo": (banded, {"band": 2}),
     "take_bands": (pair, {"first": 1, "last": 2}),
     "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),

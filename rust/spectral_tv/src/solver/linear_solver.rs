@@ -9,10 +9,13 @@ use crate::monitor::Stage;
 use crate::solver::cholesky::Analysis;
 use crate::solver::{Cholesky, Multigrid};
 
+/// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
+/// exact.
+const SMALL: usize = 10_000;
 /// Number of unknowns from which a factorization cannot be interrupted for more than a tenth of a
 /// second, and takes longer than multigrid on all shapes but those of thin limbs.
 const LARGE: usize = 100_000;
-/// Entries in a row of the factor from which multigrid is faster at any size: a shape of thin
+/// Entries in a row of the factor from which multigrid is faster between these: a shape of thin
 /// limbs falls apart in small parts and has 36 at 50 000 vertices (four fifths of multigrid's
 /// time in lagged steps, half in extrapolated ones), a compact one 50 at 36 000 (twice its time,
 /// and 1.3 times).
@@ -62,10 +65,11 @@ impl LinearSolver {
     /// [`Error::Cancelled`], or [`Error::Solver`] if memory does not suffice.
     pub fn new(lower: CsMatI<f64, u32>, solver: Solver, stage: Stage) -> Result<Self> {
         stage.check()?;
-        let is_direct = |analysis: &Analysis| analysis.fill() < LARGE_FILL;
+        let size = lower.cols();
+        let is_direct = |analysis: &Analysis| size <= SMALL || analysis.fill() < LARGE_FILL;
         let analysis = match solver {
             Solver::Multigrid => None,
-            Solver::Auto if lower.cols() >= LARGE => None,
+            Solver::Auto if size >= LARGE => None,
             Solver::Auto => Some(Analysis::new(&lower)?).filter(is_direct),
             Solver::Cholesky => Some(Analysis::new(&lower)?),
         };
