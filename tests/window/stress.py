@@ -65,7 +65,10 @@ def undo_every_job() -> Steps[None]:
         bpy.context.object.vertex_groups.active = bpy.context.object.vertex_groups[group]
         start("constraint_add", kind=kind)
     bpy.context.object.spectral_tv.constraints[1].target.location.x += 0.5
-    bpy.data.images.new("Photo", 16, 16).pixels[0] = 0.5
+    photo = bpy.data.images.new("Photo", 16, 16)
+    photo.pixels[0] = 0.5
+    photo.pack()
+    photo.use_fake_user = True  # or it is not saved
     bpy.ops.ed.undo_push(message="Ready")
     before = contents()
     yield from move(*centre(region("WINDOW")))
