@@ -10,7 +10,7 @@ use crate::memory::{self, needs};
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::{FEWEST_STEPS, adapted, subdivided};
 use crate::method::representation::{Flowed, Representation};
-use crate::method::requirements::check_memory;
+use crate::method::requirements::{check_memory, is_iterated};
 use crate::method::{Base, Decomposition, Displacement, Method, default_times, relative_scales};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
@@ -229,8 +229,7 @@ pub fn run_flow(
         operators.masses().len(),
         operators.gradient().triangles().len(),
     );
-    let is_iterated =
-        !matches!(scheme, Scheme::Exact { .. }) && solver.is_iterative(values.ncols());
+    let is_iterated = is_iterated(scheme, solver, values.ncols());
     let needed = needs::flow(size, values.nrows(), times.len(), is_iterated);
     let what = format!(
         "a flow of {} steps on {} vertices",

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::flow::{TotalVariation, Weights};
 use crate::memory::needs::Size;
 use crate::mesh::TriangleMesh;
-use crate::method::requirements::{check_step_count, step_count};
+use crate::method::requirements::{check_step_count, is_iterated, step_count};
 use crate::method::{Method, Scheme, Settings, graded_times, run_flow};
 use crate::monitor::Monitor;
 use crate::operators::{Discretization, positions};
@@ -45,13 +45,13 @@ pub fn decomposition_duration(
 /// every method.
 fn steps_worth(vertices: usize, settings: &Settings) -> f64 {
     let steps = step_count(settings) as f64;
-    let (step, is_exact) = match settings.scheme {
-        Scheme::SemiImplicit(Weights::Extrapolated) => (1.0, false),
-        Scheme::SemiImplicit(Weights::Lagged) => (0.7, false),
-        Scheme::Exact { .. } => (3.0, true),
+    let step = match settings.scheme {
+        Scheme::SemiImplicit(Weights::Extrapolated) => 1.0,
+        Scheme::SemiImplicit(Weights::Lagged) => 0.7,
+        Scheme::Exact { .. } => 3.0,
     };
     // Iterations are more work, shared between threads; single functions take more of them.
-    let is_iterated = !is_exact && settings.solver.is_iterative(vertices);
+    let is_iterated = is_iterated(settings.scheme, settings.solver, vertices);
     let (step, single) = match is_iterated {
         true => (1.2 * step, 1.5),
         false => {

@@ -6,6 +6,7 @@ use crate::memory::{self, needs};
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::FEWEST_STEPS;
 use crate::method::{Method, Scheme, Settings, Steps};
+use crate::solver::Solver;
 
 /// For refusals.
 const ADVICE: &str = "take fewer steps, or a mesh of fewer vertices";
@@ -17,8 +18,7 @@ const FEWER: &str = "take fewer eigenpairs, or a mesh of fewer vertices";
 pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settings) -> u64 {
     let size = needs::Size::new(vertices, triangles);
     let steps = step_count(settings);
-    let is_exact = matches!(settings.scheme, Scheme::Exact { .. });
-    let is_iterated = !is_exact && settings.solver.is_iterative(vertices);
+    let is_iterated = is_iterated(settings.scheme, settings.solver, vertices);
     let flow = |channels: usize, steps: usize| needs::flow(size, channels, steps, is_iterated);
     match &settings.method {
         Method::Heat | Method::ShapeTv | Method::ConformalLaplace { .. } => flow(3, steps),
@@ -39,6 +39,12 @@ pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settin
         }
         Method::Displacement { .. } => flow(3, 10),
     }
+}
+
+/// Whether the systems of a flow on so many vertices are surely solved by iteration; those of exact
+/// steps are not.
+pub(super) fn is_iterated(scheme: Scheme, solver: Solver, vertices: usize) -> bool {
+    !matches!(scheme, Scheme::Exact { .. }) && solver.is_iterative(vertices)
 }
 
 /// Refuses a number of steps that no flow takes.
@@ -85,7 +91,6 @@ pub(super) fn check_memory(mesh: &TriangleMesh, settings: &Settings) -> Result<(
 mod tests {
     use super::*;
     use crate::flow::Weights;
-    use crate::solver::Solver;
 
     #[test]
     fn more_steps_vertices_and_eigenpairs_take_more() {

@@ -30,20 +30,25 @@ impl Variation {
 
     /// w = Ψ′(n)/n of every face.
     pub fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        let weight = |norm: &f64| {
-            // As `hypot`, which is slower and in nothing better here.
-            let (short, long) = (norm.min(self.epsilon), norm.max(self.epsilon));
-            let smoothed = match long > 0.0 {
-                true => long * (1.0 + (short / long).powi(2)).sqrt(),
-                false => 0.0,
-            };
-            smoothed.min(self.steepest).recip()
-        };
+        let weight = |norm: &f64| self.smoothed_norm(*norm).min(self.steepest).recip();
         gradient_norms
             .par_iter()
             .with_min_len(CHUNK)
             .map(weight)
             .collect()
+    }
+
+    /// √(n² + ε²), as `hypot`, which is slower and in nothing better here.
+    #[inline]
+    fn smoothed_norm(&self, norm: f64) -> f64 {
+        let (short, long) = match norm < self.epsilon {
+            true => (norm, self.epsilon),
+            false => (self.epsilon, norm),
+        };
+        match long == 0.0 {
+            true => 0.0,
+            false => long * (1.0 + (short / long).powi(2)).sqrt(),
+        }
     }
 
     /// The weight of steep gradients, 1/g, on which w no longer depends.
@@ -53,7 +58,7 @@ impl Variation {
 
     /// Ψ(n).
     pub fn value(&self, norm: f64) -> f64 {
-        let smoothed = norm.hypot(self.epsilon);
+        let smoothed = self.smoothed_norm(norm);
         match smoothed <= self.steepest {
             true => smoothed,
             false => 0.5 * norm * norm / self.steepest + self.offset(),

@@ -65,15 +65,9 @@ impl Gradient {
     /// ∇u of one channel on one face.
     #[inline]
     pub fn on_face(&self, face: usize, channel: &ArrayView1<f64>) -> FaceVector {
-        let [i, j, k] = self.triangles[face].map(|corner| corner as usize);
-        let [hat_i, hat_j, hat_k] = self.hats[face];
-        // Differences, so that adding a constant to u changes nothing.
-        let (along_j, along_k) = (channel[j] - channel[i], channel[k] - channel[i]);
-        debug_assert!((hat_i[0] + hat_j[0] + hat_k[0]).abs() <= 1e-6 * hat_i[0].abs().max(1.0));
-        [
-            hat_j[0] * along_j + hat_k[0] * along_k,
-            hat_j[1] * along_j + hat_k[1] * along_k,
-        ]
+        let corners = self.triangles[face].map(|corner| [channel[corner as usize]]);
+        self.of_corners(face, corners.each_ref())
+            .map(|[component]| component)
     }
 
     /// ∇u of one channel on every face.
@@ -128,8 +122,15 @@ impl Gradient {
     /// The two components of ∇u of all lanes on one face.
     #[inline]
     fn on_lanes<const L: usize>(&self, face: usize, lanes: &[Lanes<L>]) -> [Lanes<L>; 2] {
-        let [i, j, k] = self.triangles[face].map(|corner| &lanes[corner as usize]);
-        let [_, hat_j, hat_k] = self.hats[face];
+        let corners = self.triangles[face].map(|corner| &lanes[corner as usize]);
+        self.of_corners(face, corners)
+    }
+
+    /// The same, given the values at the face's corners.
+    #[inline(always)]
+    fn of_corners<const L: usize>(&self, face: usize, [i, j, k]: [&Lanes<L>; 3]) -> [Lanes<L>; 2] {
+        let [hat_i, hat_j, hat_k] = self.hats[face];
+        debug_assert!((hat_i[0] + hat_j[0] + hat_k[0]).abs() <= 1e-6 * hat_i[0].abs().max(1.0));
         // Differences, so that adding a constant to u changes nothing.
         [0, 1].map(|axis| {
             std::array::from_fn(|lane| {
