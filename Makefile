@@ -22,7 +22,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock \
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test test-bpy test-window fuzz fuzz-library deny lint extension bench bench-check \
+.PHONY: demo test test-bpy test-window fuzz fuzz-library coverage deny lint extension bench bench-check \
   pictures gallery release release-check clean
 
 demo: $(EXTENSION_STAMP)
@@ -50,6 +50,10 @@ fuzz: $(WHEEL_STAMP)
 fuzz-library:
 	cargo +nightly fuzz run --fuzz-dir rust/fuzz --target-dir target/fuzz --sanitizer none \
 	  entry_points -- -max_total_time=$(SECONDS) -timeout=60 -max_len=2048
+
+# How much of the code the tests reach; what it needs is said there.
+coverage: $(EXTENSION_STAMP)
+	tools/coverage.sh
 
 # Licences, sources and known flaws of the crates that are built in, or of what DENY names. Needs
 # cargo-deny, and for the flaws GitHub.

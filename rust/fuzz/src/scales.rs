@@ -150,9 +150,9 @@ fn few_steps(input: &mut Unstructured) -> Result<Vec<usize>> {
 }
 
 fn scales(input: &mut Unstructured) -> Result<Option<(f64, f64)>> {
-    match input.ratio(1, 4)? {
-        true => Ok(Some((number(input)?, number(input)?))),
-        false => Ok(None),
+    match input.ratio(3, 4)? {
+        true => Ok(None),
+        false => Ok(Some((number(input)?, number(input)?))),
     }
 }
 
@@ -198,7 +198,7 @@ impl Recipe {
 impl<'a> Arbitrary<'a> for Recipe {
     fn arbitrary(input: &mut Unstructured<'a>) -> Result<Self> {
         let base = match input.int_in_range(0..=3)? {
-            0 => Base::ConformalFlow {
+            3 => Base::ConformalFlow {
                 time: Some(number(input)?),
                 steps: Some(input.int_in_range(0..=3)?),
             },
@@ -221,15 +221,15 @@ impl<'a> Arbitrary<'a> for Recipe {
             _ => Method::Displacement { base },
         };
         let times = match input.int_in_range(0..=3)? {
-            0 => Some(times(input)?),
+            3 => Some(times(input)?),
             _ => None,
         };
         let steps = match input.int_in_range(0..=15)? {
-            0 => Steps::Accuracy(input.int_in_range(-1..=3)? as f64 / 4.0),
-            _ => Steps::Count(input.int_in_range(0..=6)?),
+            15 => Steps::Accuracy(input.int_in_range(-1..=3)? as f64 / 4.0),
+            fewer => Steps::Count(6 - fewer % 7),
         };
         let base = match input.int_in_range(0..=3)? {
-            0 => Some(numbers(input)?),
+            3 => Some(numbers(input)?),
             _ => None,
         };
         Ok(Self {

@@ -24,12 +24,12 @@ impl<'a> Arbitrary<'a> for Shape {
             shape.hurt(input)?;
         }
         let scale = match input.int_in_range(0..=7)? {
-            0 => 10_f64.powi(input.int_in_range(-90..=60)?),
-            1 | 2 => 10_f64.powi(input.int_in_range(-9..=7)?),
+            7 => 10_f64.powi(input.int_in_range(-90..=60)?),
+            5 | 6 => 10_f64.powi(input.int_in_range(-9..=7)?),
             _ => 1.0,
         };
         let away = match input.int_in_range(0..=7)? {
-            0 => point(input)?,
+            7 => point(input)?,
             _ => [0.0; 3],
         };
         for vertex in &mut shape.vertices {
