@@ -86,6 +86,12 @@ print(estimate.bytes / (reading("VmHWM") - before))
         ("split.bands(np.linspace(0, 1, 5000))", "an array of 4999 states or bands"),
         ("split.flow.bands(np.linspace(0, 1, 5000))", "take them in parts"),
         ("spectral_tv.deform(surface(600), [0, 9], [[0, 0, 0], [1, 1, 1]])", "fewer vertices"),
+        ("spectral_tv.conformal_flow(mesh, 1e-3, steps=5000)", "a conformal flow of 5000 steps"),
+        (
+            "spectral_tv.eigenset_test(surface(600), np.arange(600**2) < 9000)",
+            "testing a set of 360000 vertices",
+        ),
+        ("spectral_tv.cosegment([split] * 100, 2)", "segmenting 1000000 vertices"),
     ],
 )
 def test_what_does_not_fit_is_a_memory_error_and_leaves_the_process_alive(call, message):

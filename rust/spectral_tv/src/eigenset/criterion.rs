@@ -7,6 +7,7 @@ use crate::eigenset::perimeter::{Perimeter, mean_edge};
 use crate::eigenset::supersets::{members, supersets};
 use crate::error::{Error, Result};
 use crate::flow::proximal_flow;
+use crate::memory::{self, needs};
 use crate::mesh::{TriangleMesh, connected_components};
 use crate::monitor::Stage;
 use crate::operators::Discretization;
@@ -75,8 +76,8 @@ impl EigensetTest {
 /// there.
 ///
 /// # Errors
-/// If there is not one value per vertex, the set has no boundary, a system cannot be solved, or
-/// the monitor was cancelled.
+/// If there is not one value per vertex, the set has no boundary, memory does not suffice, a system
+/// cannot be solved, or the monitor was cancelled.
 pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<EigensetTest> {
     let areas = mesh.vertex_areas();
     if set.len() != areas.len() {
@@ -101,6 +102,11 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
             "the set has no boundary: every part of the mesh is wholly in it or outside".into(),
         ));
     }
+    memory::check(
+        needs::flow(needs::Size::of(mesh), 1, STEPS, false),
+        &format!("testing a set of {} vertices", set.len()),
+        "take a mesh of fewer vertices",
+    )?;
     stage.report(0.0)?;
     let operators = Discretization::new(mesh, stage)?;
     let edge = mean_edge(mesh);

@@ -8,6 +8,7 @@ use crate::error::{Error, Result, has_usable_size};
 use crate::flow::law::Law;
 use crate::flow::recorder::check_steps;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
+use crate::memory::{self, needs};
 use crate::mesh::{TriangleMesh, barycentric_areas};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
@@ -84,7 +85,7 @@ impl Law for ConformalLaplace {
 /// `solver`; positions (3, V).
 ///
 /// # Errors
-/// For a duration that is not positive, no steps, or cancellation.
+/// For a duration that is not positive, no steps, memory that does not suffice, or cancellation.
 pub fn conformal_mean_curvature_flow(
     mesh: &TriangleMesh,
     operators: &Discretization,
@@ -99,6 +100,17 @@ pub fn conformal_mean_curvature_flow(
         )));
     }
     check_steps(steps)?;
+    let vertices = mesh.vertex_count();
+    memory::check(
+        needs::flow(
+            needs::Size::of(mesh),
+            3,
+            steps,
+            solver.is_iterative(vertices),
+        ),
+        &format!("a conformal flow of {steps} steps on {vertices} vertices"),
+        "take fewer steps, or a mesh of fewer vertices",
+    )?;
     let law = ConformalLaplace::new(mesh, operators, 2)?;
     let times: Vec<f64> = (0..=steps)
         .map(|k| duration * k as f64 / steps as f64)

@@ -63,6 +63,13 @@ pub fn eigenpairs(size: Size, count: usize) -> u64 {
     size.times(LANCZOS.saturating_add((4 * NUMBER).saturating_mul(count as u64)))
 }
 
+/// Bytes of finding segments among so many vertices in all: the components of one shape with
+/// `most_components` each at a time, and the quantiles of all, twice while they are brought together.
+pub fn segments(vertices: usize, most_components: usize, quantiles: usize) -> u64 {
+    let numbers = (2 * quantiles as u64).saturating_add(most_components as u64);
+    (vertices as u64).saturating_mul(NUMBER.saturating_mul(numbers))
+}
+
 /// Bytes of a deformation while it is sought.
 pub fn deformation(size: Size) -> u64 {
     size.times(FACTORIZED)

@@ -3,9 +3,10 @@
 use ndarray::{Axis, concatenate};
 
 use crate::error::{Error, Result};
+use crate::memory::{self, needs};
 use crate::method::Decomposition;
 use crate::monitor::Stage;
-use crate::segmentation::earth_mover::quantile_functions;
+use crate::segmentation::earth_mover::{QUANTILES, quantile_functions};
 use crate::segmentation::k_means::k_means;
 
 /// A label, 0 to `segments` − 1, for every vertex of every shape, from the spectra |φ(t)| of its
@@ -16,8 +17,8 @@ use crate::segmentation::k_means::k_means;
 /// levels: trunk, upper limbs and head, lower limbs, hands.
 ///
 /// # Errors
-/// If there is no shape, one has no components, or `segments` is 0 or more than there are vertices; or
-/// [`Error::Cancelled`].
+/// If there is no shape, one has no components, or `segments` is 0 or more than there are vertices;
+/// [`Error::Memory`]; or [`Error::Cancelled`].
 pub fn cosegment(
     decompositions: &[&Decomposition],
     segments: usize,
@@ -42,6 +43,12 @@ pub fn cosegment(
             "decomposition {index} has no components; it needs at least two steps"
         )));
     }
+    let components = decompositions.iter().map(|d| d.component_times().len());
+    memory::check(
+        needs::segments(total, components.max().unwrap_or(0), QUANTILES),
+        &format!("segmenting {total} vertices"),
+        "take fewer shapes, or meshes of fewer vertices",
+    )?;
     let mut functions = Vec::with_capacity(decompositions.len());
     let mut weights = Vec::with_capacity(total);
     for (index, decomposition) in decompositions.iter().enumerate() {
