@@ -116,3 +116,13 @@ def test_shapes_and_defaults_of_what_is_measured(mesh):
 def test_what_cannot_be_measured_is_refused(arguments, message):
     with pytest.raises(spectral_tv.MeshError, match=message):
         spectral_tv.accuracy(spectral_tv.Mesh(*icosphere(2)), **arguments)
+
+
+def test_vertices_that_all_but_touch_their_base_are_reconstructed_too(mesh):
+    """Rounding leaves M3 no direction there, and must not leave a gap."""
+    base = spectral_tv.conformal_flow(mesh, 1e-3 * mesh.area)
+    touching = np.arange(0, len(VERTICES), 5)
+    base[touching] = VERTICES[touching] + 5e-13 * np.sqrt(mesh.area / 3)
+    split = spectral_tv.decompose(mesh, "m3", steps=8, base=base)
+    whole = split.filter(np.ones(len(split.spectrum)))
+    assert np.abs(whole - VERTICES).max() < 1e-14

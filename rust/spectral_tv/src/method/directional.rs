@@ -117,20 +117,22 @@ pub struct Displacement {
 
 impl Displacement {
     /// f = α|S − Ŝ| and d̂ = α(S − Ŝ)/|S − Ŝ|, α = ±1 such that d̂ points to the same side as
-    /// the normal of Ŝ (see `outward`); the normal itself where S and Ŝ coincide.
+    /// the normal of Ŝ (see `outward`); the normal itself where S and Ŝ coincide but for rounding,
+    /// and there Ŝ is S.
     ///
     /// # Errors
     /// [`crate::Error::Solver`] if the signs cannot be computed, [`crate::Error::Cancelled`].
     pub fn between(
         mesh: &TriangleMesh,
         operators: &Discretization,
-        base: Array2<f64>,
+        mut base: Array2<f64>,
         solver: Solver,
         stage: Stage,
     ) -> Result<Self> {
         let normals = vertex_normals(base.view(), mesh.triangles());
         stage.check()?;
-        let mut direction = positions(mesh) - &base;
+        let shape = positions(mesh);
+        let mut direction = &shape - &base;
         let signs = outward_signs(operators, direction.view(), normals.view(), solver, stage)?;
         stage.check()?;
         let smallest = COINCIDENT * mesh.area().sqrt();
@@ -139,6 +141,7 @@ impl Displacement {
             let length = column.dot(&column).sqrt();
             if length <= smallest {
                 column.assign(&normals.column(vertex));
+                base.column_mut(vertex).assign(&shape.column(vertex));
                 continue;
             }
             distance[[0, vertex]] = signs[vertex] * length;
