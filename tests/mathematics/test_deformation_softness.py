@@ -77,14 +77,23 @@ def test_an_exact_target_wins_over_soft_ones_and_soft_ones_share(neck):
         np.r_[weights, weights[soft]],
         tolerance=1e-6,
     )
-    # w/(1 - w) is 2 at w = 2/3; the spread, to which springs refer, is that of all targets.
-    firmness = 2 / 1.1
-    single = spectral_tv.deform(
-        mesh, indices, targets, np.where(soft, firmness / (1 + firmness), 1.0), tolerance=1e-6
-    )
+    # w/(1 - w) is 1 at w = 1/2 and 2 at w = 2/3.
+    single = spectral_tv.deform(mesh, indices, targets, np.where(soft, 2 / 3, 1.0), tolerance=1e-6)
     np.testing.assert_allclose(doubled.vertices[high], single.vertices[high], atol=1e-5)
     # Along the neck, a cylinder, TV leaves open where it is stretched.
     np.testing.assert_allclose(doubled.vertices, single.vertices, atol=2e-3)
+
+
+@pytest.mark.parametrize("algorithm", ["convex", "paper", "harmonic", "biharmonic", "arap"])
+def test_soft_targets_of_one_vertex_alone_carry_everything_to_their_mean(neck, algorithm):
+    mesh, *_ = neck
+    asked = mesh.vertices[5] + [[0.0, 0.0, 1.0], [0.3, 0.0, 0.0]]
+    found = spectral_tv.deform(mesh, [5, 5], asked, [0.75, 0.5], algorithm=algorithm)
+    # w/(1 - w) is 3 and 1.
+    np.testing.assert_allclose(
+        found.vertices - mesh.vertices, [[0.075, 0.0, 0.75]] * len(mesh.vertices), atol=1e-12
+    )
+    assert found.total_variation == 0
 
 
 @pytest.fixture(scope="module")

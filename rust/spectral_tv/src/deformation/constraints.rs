@@ -38,7 +38,7 @@ pub(super) struct Targets {
     pub displacements: Array2<f64>,
     /// κ of the penalty ½ Σ κ |d − c|² of soft constraints, V.
     pub springs: Vec<f64>,
-    /// Centre of the smallest ball that holds all displacements asked for.
+    /// Centre of the smallest ball that holds the displacements that vertices ask for.
     pub centre: [f64; 3],
     /// Its radius.
     pub radius: f64,
@@ -113,7 +113,6 @@ impl Constraints {
         self.check(positions)?;
         let mut displacements = Array2::zeros((3, self.fixed.len()));
         let mut firmness = vec![0.0; self.fixed.len()];
-        let mut all_asked = Vec::with_capacity(self.vertices.len());
         for (entry, &vertex) in self.vertices.iter().enumerate() {
             if self.fixed[vertex] && self.firmness[entry].is_finite() {
                 continue; // an exact target wins
@@ -129,9 +128,17 @@ impl Constraints {
                 let value = &mut displacements[[axis, vertex]];
                 *value += share * (asked[axis] - *value);
             }
-            all_asked.push(asked);
         }
-        let (centre, radius) = enclosing_ball(&all_asked);
+        // A vertex with several soft targets asks for their mean.
+        let asking = displacements
+            .columns()
+            .into_iter()
+            .zip(&self.is_constrained);
+        let asked: Vec<_> = asking
+            .filter(|(_, is_constrained)| **is_constrained)
+            .map(|(asked, _)| Vector3::new(asked[0], asked[1], asked[2]))
+            .collect();
+        let (centre, radius) = enclosing_ball(&asked);
         let radius = if 2.0 * radius > self.closeness {
             radius
         } else {
