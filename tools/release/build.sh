@@ -3,14 +3,14 @@
 # dist/release/. Needs root on Debian 12, with Python and debootstrap: the compilers are in a chroot of
 # their own, .build/release/toolchain, and so is Blender, which builds the zips.
 #
-#   build.sh [PLATFORM…]   of linux-x64 linux-arm64 windows-x64 macos-arm64 macos-x64
+#   build.sh [PLATFORM…]   of linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64
 #
 # The same commit and compilers give the same files; BUILT-WITH.txt names them.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 platforms=("$@")
-(($#)) || platforms=(linux-x64 linux-arm64 windows-x64 macos-arm64 macos-x64)
+(($#)) || platforms=(linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64)
 chroot=$PWD/.build/release/toolchain
 source=$PWD/.build/release/source
 output=$PWD/dist/release

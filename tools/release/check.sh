@@ -18,7 +18,7 @@ fail() {
   exit 1
 }
 
-# Where each wheel is run; macOS has no such place.
+# Where each wheel is run; macOS and Windows on arm64 have no such place.
 places() {
   case $1 in
     *manylinux*x86_64.whl) echo linux-x64 ;;

@@ -42,6 +42,10 @@ case $1 in
   linux-x64) linux x86_64-unknown-linux-gnu ;;
   linux-arm64) linux aarch64-unknown-linux-gnu ;;
   windows-x64) build_with_std x86_64-pc-windows-gnu ;;
+  windows-arm64)
+    export RUSTC_WRAPPER=$PWD/tools/release/exports.sh
+    build_with_std aarch64-pc-windows-gnullvm --zig
+    ;;
   macos-arm64) mac aarch64-apple-darwin ;;
   macos-x64) mac x86_64-apple-darwin ;;
   versions)
