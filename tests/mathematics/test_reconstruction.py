@@ -126,3 +126,11 @@ def test_vertices_that_all_but_touch_their_base_are_reconstructed_too(mesh):
     split = spectral_tv.decompose(mesh, "m3", steps=8, base=base)
     whole = split.filter(np.ones(len(split.spectrum)))
     assert np.abs(whole - VERTICES).max() < 1e-14
+
+
+def test_a_base_that_is_all_but_the_shape_leaves_nothing_to_filter():
+    vertices = np.array([[0, 0, 3e4], [1, 0, 2], [0, 1, 3e-5], [1, 1, 700.0]])
+    mesh = spectral_tv.Mesh(vertices, [[0, 1, 3], [0, 3, 2]])
+    split = spectral_tv.decompose(mesh, "m3", steps=4, base_time=1e-153)
+    np.testing.assert_array_equal(split.residual, vertices)
+    np.testing.assert_array_equal(split.filter(np.ones(len(split.spectrum))), vertices)

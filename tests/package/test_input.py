@@ -26,6 +26,7 @@ def changed(array, index, value):
     [
         (changed(VERTICES, (17, 1), np.nan), TRIANGLES, "vertex 17 has a coordinate"),
         (changed(VERTICES, (3, 0), np.inf), TRIANGLES, "vertex 3 has a coordinate"),
+        (changed(VERTICES, (8, 2), 1e101), TRIANGLES, "vertex 8 .* beyond 1e100"),
         (VERTICES, changed(TRIANGLES, (5, 2), 162), "triangle 5 refers to vertex 162"),
         (VERTICES, changed(TRIANGLES, (9, 0), -1), "triangle 9 refers to vertex -1"),
         (VERTICES, TRIANGLES[:0], "no triangles"),

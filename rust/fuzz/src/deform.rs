@@ -63,9 +63,10 @@ impl Pulls {
         assert_finite("displacement", &bent.displacement);
         assert_finite("TV and gap", [&bent.total_variation, &bent.gap]);
         assert!(bent.total_variation >= 0.0 && (0.0..=1.0).contains(&bent.gap));
-        let shape: Array2<f64> = positions(mesh) + &bent.displacement;
+        let start = positions(mesh);
+        let shape: Array2<f64> = &start + &bent.displacement;
         let weights = self.weights();
-        let size = largest(&shape).max(largest(targets.iter().flatten()));
+        let size = largest(&start).max(largest(targets.iter().flatten()));
         for ((index, target), weight) in self.indices(mesh).iter().zip(targets).zip(weights) {
             if weight == 1.0 {
                 let place = shape.column(*index as usize);

@@ -66,7 +66,8 @@ impl Accuracy {
         array(py, &self.inner.paper.bands)
     }
 
-    /// L² error of each band over the surface, relative to the band's norm, (n, K).
+    /// L² error of each band over the surface, relative to the band's norm; to 1e-12 of the
+    /// largest where a band has less, (n, K).
     #[getter]
     fn relative<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         array(py, &self.inner.ours.relative)

@@ -14,9 +14,9 @@ pub(crate) fn has_usable_size(value: f64) -> bool {
 /// Why a call was refused or ended early.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
-    /// Coordinates are NaN or infinite.
+    /// Coordinates are NaN, infinite or too large.
     #[error(
-        "vertex {} has a coordinate that is not finite: {position:?}{}",
+        "vertex {} has a coordinate that is not finite, or beyond 1e100: {position:?}{}",
         vertices[0], others(vertices)
     )]
     NonFiniteVertices {

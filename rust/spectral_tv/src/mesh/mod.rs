@@ -6,7 +6,7 @@ mod intrinsic;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size};
 pub(crate) use components::connected_components;
 use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ impl TriangleMesh {
     /// spans no area and takes no part.
     ///
     /// # Errors
-    /// Names the first vertex that is not finite or triangle whose index is out of range; or
+    /// Names the first vertex that is not finite, or beyond 1e100, or triangle whose index is out of range; or
     /// says that there are no triangles or that they span no area, or one below 1e-140 or
     /// beyond 1e100.
     pub fn new(vertices: Vec<[f64; 3]>, triangles: &[[i64; 3]]) -> Result<Self> {
@@ -179,7 +179,7 @@ fn check_vertices(vertices: &[[f64; 3]]) -> Result<()> {
             u32::MAX
         )));
     }
-    let is_broken = |vertex: &usize| !vertices[*vertex].iter().all(|x| x.is_finite());
+    let is_broken = |vertex: &usize| !vertices[*vertex].iter().all(|x| has_usable_size(*x));
     let broken: Vec<_> = (0..vertices.len()).filter(is_broken).collect();
     match broken.first() {
         Some(&first) => Err(Error::NonFiniteVertices {

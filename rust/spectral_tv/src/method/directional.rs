@@ -133,15 +133,21 @@ impl Displacement {
         stage.check()?;
         let shape = positions(mesh);
         let mut direction = &shape - &base;
+        let smallest = COINCIDENT * mesh.area().sqrt();
+        for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {
+            if column.dot(&column).sqrt() <= smallest {
+                column.fill(0.0);
+                base.column_mut(vertex).assign(&shape.column(vertex));
+            }
+        }
+        stage.check()?;
         let signs = outward_signs(operators, direction.view(), normals.view(), solver, stage)?;
         stage.check()?;
-        let smallest = COINCIDENT * mesh.area().sqrt();
         let mut distance = Array2::zeros((1, base.ncols()));
         for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {
             let length = column.dot(&column).sqrt();
-            if length <= smallest {
+            if length == 0.0 {
                 column.assign(&normals.column(vertex));
-                base.column_mut(vertex).assign(&shape.column(vertex));
                 continue;
             }
             distance[[0, vertex]] = signs[vertex] * length;
