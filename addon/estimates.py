@@ -1,4 +1,7 @@
-"""What a decomposition will take, in words."""
+"""What work will take, in words."""
+
+from dataclasses import dataclass
+from typing import Any
 
 import spectral_tv
 
@@ -9,28 +12,64 @@ LONG = 5.0
 LARGE_PART = 0.25
 
 
-def estimate(settings: Settings, vertices: int) -> spectral_tv.Estimate:
-    """Estimate a decomposition of a mesh of so many vertices."""
+@dataclass(frozen=True)
+class Needs:
+    """What several decompositions take that are kept together: bytes and seconds."""
+
+    bytes: int
+    available: int | None
+    seconds: float
+    is_least: bool = False
+
+    @property
+    def fits(self) -> bool:
+        """Whether there is as much memory, as far as the system tells."""
+        return self.available is None or self.bytes <= self.available
+
+    def told(self) -> str | None:
+        """Say it; None where it is not worth saying."""
+        about = "At least" if self.is_least else "About"
+        if self.available is not None and not self.fits:
+            return (
+                f"{about} {_memory(self.bytes)} of memory, but {_memory(self.available)} are free: "
+                "take fewer steps or eigenfunctions, or a mesh of fewer vertices"
+            )
+        is_large = self.available is not None and self.bytes > LARGE_PART * self.available
+        if self.seconds < LONG and not is_large:
+            return None
+        return f"{about} {_time(self.seconds)}, {_memory(self.bytes)} of memory"
+
+
+def of_meshes(settings: Settings, *counts: int) -> Needs:
+    """What decomposing meshes of so many vertices takes."""
     arguments = settings.method_arguments(None, None)
     if settings.is_adaptive:
         arguments["accuracy"] = settings.accuracy
-    return spectral_tv.estimate(
-        vertices, **arguments, steps=settings.steps, eigenpairs=settings.eigenpairs
+    arguments |= {"steps": settings.steps, "eigenpairs": settings.eigenpairs}
+    return _sum(
+        [spectral_tv.estimate(count, **arguments) for count in counts], settings.is_adaptive
     )
 
 
-def told(found: spectral_tv.Estimate, is_least: bool = False) -> str | None:
-    """Say what was found; None where it is not worth saying. ``is_least`` if it may take more."""
-    about = "At least" if is_least else "About"
-    if not found.fits:
-        return (
-            f"{about} {_memory(found.bytes)} of memory, but {_memory(found.available)} are free: "
-            "take fewer steps or eigenfunctions, or a mesh of fewer vertices"
-        )
-    is_large = found.available is not None and found.bytes > LARGE_PART * found.available
-    if found.seconds < LONG and not is_large:
-        return None
-    return f"{about} {_time(found.seconds)}, {_memory(found.bytes)} of memory"
+def of_accuracy(method: str, count: int, steps: int) -> Needs:
+    """What measuring the accuracy takes, on so many vertices."""
+    # A flow with eight times as many steps; of all, half and a quarter of them two kinds.
+    return of_meshes(Settings(method=method, steps=11 * steps), count)
+
+
+def of_values(count: int, steps: int, *, exact: bool) -> Needs:
+    """What a flow of values at so many vertices or pixels takes; that of three functions."""
+    scheme: Any = "exact" if exact else "extrapolated"
+    return _sum([spectral_tv.estimate(count, "m1", steps=steps, scheme=scheme)])
+
+
+def _sum(found: list[spectral_tv.Estimate], is_least: bool = False) -> Needs:
+    return Needs(
+        bytes=sum(each.bytes for each in found),
+        available=found[0].available,
+        seconds=sum(each.seconds for each in found),
+        is_least=is_least,
+    )
 
 
 def _memory(size: int) -> str:

@@ -3,11 +3,12 @@
 import bpy
 
 from .. import faults, jobs
+from ..estimates import Needs
 from ..operators._job import SPECTRAL_TV_OT_cancel
 from ..operators.select_faulty import SPECTRAL_TV_OT_select_faulty
 from ..sidebar import Sidebar, say
 
-__all__ = ["Sidebar", "draw_fault", "draw_progress", "say"]
+__all__ = ["Sidebar", "draw_fault", "draw_needs", "draw_progress", "say"]
 
 
 def draw_fault(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -16,6 +17,13 @@ def draw_fault(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     if fault is not None:
         say(layout, context, f"Refused: {fault.message}", "ERROR")
         layout.operator(SPECTRAL_TV_OT_select_faulty.bl_idname, icon="RESTRICT_SELECT_OFF")
+
+
+def draw_needs(layout: bpy.types.UILayout, context: bpy.types.Context, needs: Needs) -> None:
+    """Draw what the work that a button starts will take, where that is worth a word."""
+    text = needs.told()
+    if text is not None:
+        say(layout, context, text, "TIME" if needs.fits else "ERROR")
 
 
 def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

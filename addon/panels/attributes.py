@@ -2,14 +2,14 @@
 
 import bpy
 
-from .. import jobs
+from .. import estimates, jobs
 from ..attributes.properties import AttributeProperties, MeasureProperties
 from ..objects import is_mesh, refusal
 from ..operators.attributes import SPECTRAL_TV_OT_flow_attribute
 from ..operators.eigenset import SPECTRAL_TV_OT_test_eigenset
 from ..operators.values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
 from ..properties import copy_choices
-from ._sidebar import Sidebar, draw_progress, say
+from ._sidebar import Sidebar, draw_needs, draw_progress, say
 
 
 class SPECTRAL_TV_PT_attributes(Sidebar, bpy.types.Panel):
@@ -34,6 +34,9 @@ class SPECTRAL_TV_PT_attributes(Sidebar, bpy.types.Panel):
         reason = refusal(context.active_object)
         if reason is not None:
             say(layout, context, reason, "INFO")
+        count = len(context.active_object.data.vertices)
+        is_exact = settings.exact and settings.law == "TV"
+        draw_needs(layout, context, estimates.of_values(count, settings.steps, exact=is_exact))
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_flow_attribute.bl_idname, icon="MOD_SMOOTH")

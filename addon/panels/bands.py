@@ -5,7 +5,7 @@ from itertools import chain
 
 import bpy
 
-from .. import accuracy, filter_curve, jobs, spectrum
+from .. import accuracy, estimates, filter_curve, jobs, spectrum
 from ..gains import PRESETS
 from ..operators import filter as operators
 from ..operators.accuracy import SPECTRAL_TV_OT_measure_accuracy
@@ -13,7 +13,7 @@ from ..operators.mix import SPECTRAL_TV_OT_take_bands
 from ..properties import DecompositionProperties, copy_choices
 from ..records import SpectralTVRecord, band_keys, record_of, topology_changed
 from ..settings import STEPLESS
-from ._sidebar import Sidebar, draw_progress, say
+from ._sidebar import Sidebar, draw_needs, draw_progress, say
 
 
 class BandsPanel(Sidebar):
@@ -148,6 +148,8 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, bpy.types.Panel):
         if jobs.running() is not None:
             draw_progress(layout, context)
             return
+        count = len(obj.data.vertices)
+        draw_needs(layout, context, estimates.of_accuracy(record.method, count, settings.steps))
         operator = layout.operator(
             SPECTRAL_TV_OT_measure_accuracy.bl_idname, icon="DRIVER_DISTANCE"
         )

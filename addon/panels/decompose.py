@@ -2,13 +2,12 @@
 
 import bpy
 
-from .. import jobs
-from ..estimates import estimate, told
+from .. import estimates, jobs
 from ..objects import refusal
 from ..operators.decompose import SPECTRAL_TV_OT_decompose
 from ..properties import DecompositionProperties, copy_choices, draw_method
 from ..settings import WITH_BASE
-from ._sidebar import Sidebar, draw_fault, draw_progress, say
+from ._sidebar import Sidebar, draw_fault, draw_needs, draw_progress, say
 
 
 class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
@@ -38,11 +37,8 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
             say(layout, context, text, "INFO")
         draw_fault(layout, context)
         if reason is None:
-            chosen = settings.settings()
-            found = estimate(chosen, len(obj.data.vertices))
-            text = told(found, chosen.is_adaptive)
-            if text is not None:
-                say(layout, context, text, "TIME" if found.fits else "ERROR")
+            needs = estimates.of_meshes(settings.settings(), len(obj.data.vertices))
+            draw_needs(layout, context, needs)
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")

@@ -2,12 +2,12 @@
 
 import bpy
 
-from .. import jobs
+from .. import estimates, jobs
 from ..images.pixels import refusal
 from ..images.properties import ImageProperties
 from ..operators.image import SPECTRAL_TV_OT_filter_image
 from ..properties import copy_choices
-from ._sidebar import draw_progress, say
+from ._sidebar import draw_needs, draw_progress, say
 
 
 class SPECTRAL_TV_PT_image(bpy.types.Panel):
@@ -34,6 +34,10 @@ class SPECTRAL_TV_PT_image(bpy.types.Panel):
         reason = refusal(subject)
         if reason is not None:
             say(layout, context, reason, "INFO")
+        else:
+            width, height = subject.size
+            needs = estimates.of_values(width * height, settings.steps, exact=settings.exact)
+            draw_needs(layout, context, needs)
         row = layout.row()
         row.enabled = reason is None
         row.scale_y = 1.4

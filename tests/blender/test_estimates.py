@@ -20,17 +20,17 @@ def settings(**choices):
 
 
 def test_small_works_are_not_worth_a_word():
-    found = estimates().estimate(settings(), 100)
+    found = estimates().of_meshes(settings(), 100)
     assert found.fits
-    assert estimates().told(found) is None
+    assert found.told() is None
 
 
 @pytest.mark.parametrize(
     "method", ["M1", "M2", "M3", "NAIVE", "HEAT", "LB", "DISPLACEMENT", "M2_P1"]
 )
 def test_large_ones_of_every_method_are_told_and_those_beyond_all_memory_refused(method):
-    found = estimates().estimate(settings(method=method), 10**13)
-    text = estimates().told(found)
+    found = estimates().of_meshes(settings(method=method), 10**13)
+    text = found.told()
     assert re.match(r"About \d+(\.\d)? GB of memory, but .* are free: take fewer", text) or (
         found.available is None and re.match(r"About \d+ h, \d+\.\d GB of memory", text)
     )
@@ -38,8 +38,18 @@ def test_large_ones_of_every_method_are_told_and_those_beyond_all_memory_refused
 
 def test_an_accuracy_takes_at_least_what_is_told():
     chosen = settings(accuracy=0.05)
-    found = estimates().estimate(chosen, 10**13)
-    assert estimates().told(found, chosen.is_adaptive).startswith("At least")
+    found = estimates().of_meshes(chosen, 10**13)
+    assert found.told().startswith("At least")
+
+
+def test_several_meshes_take_what_they_take_together_and_other_work_is_told_too():
+    one, two = (estimates().of_meshes(settings(), *[5000] * count) for count in (1, 2))
+    assert two.seconds == 2 * one.seconds
+    assert two.bytes == 2 * one.bytes
+    assert estimates().of_accuracy("M2", 5000, 32).seconds > 5 * one.seconds
+    plain, exact = (estimates().of_values(10**7, 32, exact=exact) for exact in (False, True))
+    assert exact.seconds > plain.seconds
+    assert re.match(r"About \d+ (s|min|h), .* of memory|About .* are free", plain.told())
 
 
 def test_what_does_not_fit_is_refused_with_advice(monkey):
@@ -47,7 +57,7 @@ def test_what_does_not_fit_is_refused_with_advice(monkey):
     modifier = monkey.modifiers.new("Finer", "SUBSURF")
     modifier.levels = 4
     bpy.ops.object.modifier_apply(modifier="Finer")
-    found = estimates().estimate(
+    found = estimates().of_meshes(
         settings(method="LB", eigenpairs=10_000), len(monkey.data.vertices)
     )
     if found.available is None or found.fits:
