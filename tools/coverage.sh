@@ -28,10 +28,10 @@ package=$CARGO_TARGET_DIR/package
 mkdir -p "$package/spectral_tv"
 cp python/spectral_tv/*.py* "$package/spectral_tv"
 cp "$CARGO_TARGET_DIR/release/lib_native.so" "$package/spectral_tv/_native.abi3.so"
-export PYTHONPATH=$package COVERAGE_FILE=$CARGO_TARGET_DIR/python
+export PYTHONPATH=$package COVERAGE_FILE=$CARGO_TARGET_DIR/data
 "$python" -m coverage run --parallel-mode -m pytest tests "$@"
 
 cargo llvm-cov report --release --ignore-filename-regex '/(tests|registry)/' --summary-only |
   tee "$CARGO_TARGET_DIR/rust.txt"
 "$python" -m coverage combine --quiet
-"$python" -m coverage report | tee "$CARGO_TARGET_DIR/python.txt"
+"$python" -m coverage report | tee "$CARGO_TARGET_DIR/extension.txt"

@@ -17,6 +17,7 @@ mod coarsest;
 #[cfg(test)]
 mod examples;
 mod galerkin;
+mod galerkin_pattern;
 mod hierarchy;
 mod matrix;
 mod ordering;
