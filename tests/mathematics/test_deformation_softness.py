@@ -157,3 +157,14 @@ def test_softer_is_wider_and_flatter(waist):
     # What it costs: TV, that of the jump being the least.
     variations = [result.total_variation for result in results]
     assert variations == sorted(variations)
+
+
+@pytest.mark.parametrize("algorithm", ["paper", "harmonic", "biharmonic", "arap"])
+def test_what_soft_targets_move_without_stretching_is_no_error(algorithm):
+    """One of them is for a vertex without a triangle."""
+    vertices = [[0.125, 0.125, 0.125], [-5.375, -2.1875, 0], [0, 2.9e9, -1e-4], [3.125, 0, 3.0625]]
+    mesh = spectral_tv.Mesh(vertices, [[0, 2, 3], [0, 0, 1]])
+    found = spectral_tv.deform(
+        mesh, [1, 0], [[0.125, 0.8125, 0], [0.125] * 3], [0.125, 0.125], algorithm=algorithm
+    )
+    assert np.isfinite(found.vertices).all()

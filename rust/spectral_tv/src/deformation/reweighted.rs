@@ -13,6 +13,8 @@ use crate::operators::total_variation;
 /// ε relative to the mean |∇d|, as for the flow M1.
 const SMOOTHING: f64 = 1e-3;
 const MOST_ITERATIONS: usize = 60;
+/// A mean |∇d| that is rounding, times √area and relative to the spread: weights would be infinite.
+const LEAST_STRETCH: f64 = 1e-14;
 
 /// Repeats d ← argmin ‖M^(−1/2) L(w) d‖², w = 1/√(|∇d|² + ε²) of the last d, until no vertex moves
 /// by more than `tolerance` of the spread of the displacements. Starts from the gradient-based
@@ -32,6 +34,9 @@ pub(super) fn reweighted(
     for iteration in 0..MOST_ITERATIONS {
         stage.report(iteration as f64 / MOST_ITERATIONS as f64)?;
         let mean = total_variation(gradient, state.view()) / area;
+        if mean * area.sqrt() <= LEAST_STRETCH * spread {
+            return Ok((state, iteration + 1));
+        }
         let weights = Variation::smoothed(SMOOTHING * mean).weights(&gradient.norms(state.view()));
         let last = state.clone();
         Quadratic::new(problem, Stiffness::bending(&problem, &weights), springs)?
