@@ -29,7 +29,7 @@ def test_progress_rises_to_one(mesh):
     assert seen[-1] == 1
 
 
-@pytest.mark.clocked
+@pytest.mark.bare
 def test_an_exception_from_progress_ends_the_work(mesh):
     def stop(fraction):
         raise RuntimeError("enough")
@@ -40,7 +40,7 @@ def test_an_exception_from_progress_ends_the_work(mesh):
     assert time.perf_counter() - started < 30
 
 
-@pytest.mark.clocked
+@pytest.mark.bare
 def test_ctrl_c_ends_the_work(mesh):
     timer = threading.Timer(0.3, _thread.interrupt_main)
     timer.start()
@@ -49,7 +49,7 @@ def test_ctrl_c_ends_the_work(mesh):
     timer.join()
 
 
-@pytest.mark.clocked
+@pytest.mark.bare
 def test_the_gil_is_free_during_work(mesh):
     """Another thread keeps running while the main one waits for a result."""
     ticks = []
@@ -95,7 +95,7 @@ def test_a_job_passes_refusals_on(mesh):
             job.result()
 
 
-@pytest.mark.clocked
+@pytest.mark.bare
 def test_a_forgotten_job_does_not_keep_python_alive():
     code = (
         "import spectral_tv; from shapes import icosphere;"

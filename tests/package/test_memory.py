@@ -41,6 +41,7 @@ def run(code: str) -> str:
 
 
 @LINUX
+@pytest.mark.bare
 @pytest.mark.parametrize("side", [100, 180])
 @pytest.mark.parametrize(
     "settings",
@@ -71,6 +72,7 @@ print(estimate.bytes / (reading("VmHWM") - before))
 
 
 @LINUX
+@pytest.mark.bare
 @pytest.mark.parametrize(
     ("call", "message"),
     [
