@@ -12,6 +12,10 @@ pub(crate) const NUMBER: u64 = size_of::<f64>() as u64;
 /// Bytes that this process can still take without swapping, where the system tells: the least of
 /// what Linux reckons with, and what a limit of the address space leaves. `None` elsewhere.
 pub fn available() -> Option<u64> {
+    // Wine shows these files to Windows programs, too, and without the limits.
+    if !cfg!(target_os = "linux") {
+        return None;
+    }
     let free = kilobytes(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let left = || {
         let limits = fs::read_to_string("/proc/self/limits").ok()?;
