@@ -90,7 +90,7 @@ _running: Running | None = None
 
 def start(job: spectral_tv.Job | Chain, name: str, state: str, message: str) -> Running:
     """Take a job over; it is cancelled when Blender loads a file or disables the extension."""
-    global _running  # noqa: PLW0603
+    global _running  # noqa: PLW0603 - it lives as long as the module
     _running = Running(job, name, state, message)
     return _running
 
@@ -102,7 +102,7 @@ def running() -> Running | None:
 
 def finish() -> None:
     """Let go of the job; cancels it if it still runs, without waiting."""
-    global _running  # noqa: PLW0603
+    global _running  # noqa: PLW0603 - it lives as long as the module
     if _running is not None:
         _running.job.cancel()
     _running = None

@@ -93,7 +93,7 @@ def _add(name: str, image: np.ndarray) -> None:
 
 def register() -> None:
     """Make room for pictures."""
-    global _previews  # noqa: PLW0603
+    global _previews  # noqa: PLW0603 - it lives as long as the module
     _previews = bpy.utils.previews.new()
 
 

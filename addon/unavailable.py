@@ -8,7 +8,7 @@ from . import native
 from .sidebar import Sidebar, say
 
 
-class SPECTRAL_TV_PT_unavailable(Sidebar, bpy.types.Panel):  # noqa: N801
+class SPECTRAL_TV_PT_unavailable(Sidebar, bpy.types.Panel):  # noqa: N801 - Blender's convention
     """Says what is missing"""
 
     bl_label = "Spectral TV"
@@ -30,7 +30,7 @@ _handle = None
 
 def register() -> None:
     """Show the panel, and have the command say the same."""
-    global _problem, _handle  # noqa: PLW0603
+    global _problem, _handle  # noqa: PLW0603 - it lives as long as the module
     _problem = native.problem() or ""
     print(f"Spectral TV: {_problem}", file=sys.stderr)
     bpy.utils.register_class(SPECTRAL_TV_PT_unavailable)
@@ -39,7 +39,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Withdraw both."""
-    global _handle  # noqa: PLW0603
+    global _handle  # noqa: PLW0603 - it lives as long as the module
     bpy.utils.unregister_cli_command(_handle)
     bpy.utils.unregister_class(SPECTRAL_TV_PT_unavailable)
     _handle = None

@@ -39,12 +39,12 @@ _handle = None
 
 def register() -> None:
     """Make the command known to Blender."""
-    global _handle  # noqa: PLW0603
+    global _handle  # noqa: PLW0603 - it lives as long as the module
     _handle = bpy.utils.register_cli_command(NAME, run)
 
 
 def unregister() -> None:
     """Withdraw the command."""
-    global _handle  # noqa: PLW0603
+    global _handle  # noqa: PLW0603 - it lives as long as the module
     bpy.utils.unregister_cli_command(_handle)
     _handle = None

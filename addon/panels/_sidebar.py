@@ -3,12 +3,14 @@
 import bpy
 
 from .. import faults, jobs
-from ..estimates import Needs
+from ..estimates import Needs, of_meshes
+from ..objects import refusal, selected_meshes
 from ..operators._job import SPECTRAL_TV_OT_cancel
 from ..operators.select_faulty import SPECTRAL_TV_OT_select_faulty
+from ..settings import Settings
 from ..sidebar import Sidebar, say
 
-__all__ = ["Sidebar", "draw_fault", "draw_needs", "draw_progress", "say"]
+__all__ = ["Sidebar", "draw_fault", "draw_needs", "draw_progress", "draw_selection", "say"]
 
 
 def draw_fault(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -24,6 +26,20 @@ def draw_needs(layout: bpy.types.UILayout, context: bpy.types.Context, needs: Ne
     text = needs.told()
     if text is not None:
         say(layout, context, text, "TIME" if needs.fits else "ERROR")
+
+
+def draw_selection(
+    layout: bpy.types.UILayout, context: bpy.types.Context, shared: str, settings: Settings
+) -> None:
+    """Draw that all selected meshes get the same of something, and what splitting them takes."""
+    reason = refusal(context.active_object)
+    objects = selected_meshes(context)
+    if reason is not None:
+        say(layout, context, reason, "INFO")
+    elif len(objects) > 1:
+        say(layout, context, f"{len(objects)} meshes get the same {shared}", "INFO")
+    meshes = {obj.data for obj in objects}  # a shared one is split once
+    draw_needs(layout, context, of_meshes(settings, *(len(mesh.vertices) for mesh in meshes)))
 
 
 def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

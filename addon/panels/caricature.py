@@ -2,12 +2,12 @@
 
 import bpy
 
-from .. import estimates, jobs
-from ..objects import is_mesh, refusal, selected_meshes
+from .. import jobs
+from ..objects import is_mesh
 from ..operators.caricature import SPECTRAL_TV_OT_caricature
 from ..properties import CaricatureProperties, copy_choices
 from ..settings import Settings
-from ._sidebar import Sidebar, draw_needs, draw_progress, say
+from ._sidebar import Sidebar, draw_progress, draw_selection
 
 
 class SPECTRAL_TV_PT_caricature(Sidebar, bpy.types.Panel):
@@ -37,15 +37,8 @@ class SPECTRAL_TV_PT_caricature(Sidebar, bpy.types.Panel):
         if jobs.running() is not None:
             draw_progress(layout, context)
             return
-        reason = refusal(context.active_object)
-        meshes = selected_meshes(context)
-        if reason is not None:
-            say(layout, context, reason, "INFO")
-        elif len(meshes) > 1:
-            say(layout, context, f"{len(meshes)} meshes get the same filter", "INFO")
         chosen = Settings(method=settings.method, steps=settings.steps)
-        sizes = [len(obj.data.vertices) for obj in meshes]
-        draw_needs(layout, context, estimates.of_meshes(chosen, *sizes))
+        draw_selection(layout, context, "filter", chosen)
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_caricature.bl_idname, icon="OUTLINER_OB_ARMATURE")
