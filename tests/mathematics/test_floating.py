@@ -45,3 +45,18 @@ def test_they_come_along_where_everything_moves_alike(scene):
     result = spectral_tv.deform(mesh, bottom, vertices[bottom] + [1, 2, 3])
     np.testing.assert_allclose(result.vertices, vertices + np.array([1, 2, 3]), atol=1e-12)
     assert result.total_variation == 0 and result.gap == 0
+
+
+@pytest.mark.parametrize("stretch", [1.0, 2.5, 1e8])
+def test_nothing_turns_them_about_a_line_of_nearest_points(stretch):
+    # The nearest points all lie along x, which leaves the turn about it open.
+    strip = np.array([[x, y, 0.0] for y in (0, 1) for x in range(5)])
+    triangles = [[x, x + 1, x + 6] for x in range(4)] + [[x, x + 6, x + 5] for x in range(4)]
+    piece = np.array([[0.0, -5, 0], [4, -5, 0], [2, -5, 0.1]])
+    mesh = spectral_tv.Mesh(np.vstack([strip, piece]), [*triangles, [10, 11, 12]])
+    ends = [0, 4, 5, 9]
+    moved = strip[ends] * [stretch, 1, 1] + [0, 0, 3]
+    result = spectral_tv.deform(mesh, ends, moved)
+    middle = (result.vertices[[0, 2, 4]] - strip[[0, 2, 4]]).mean(axis=0)
+    np.testing.assert_allclose(pdist(result.vertices[10:]), pdist(piece), rtol=1e-6)
+    np.testing.assert_allclose(result.vertices[12], piece[2] + middle, rtol=1e-6)

@@ -2,18 +2,17 @@
 //! of Chao et al. 2010, "A Simple Geometric Model for Elastic Deformations" ("spokes and rims"),
 //! which obtuse triangles do not make negative.
 
-use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use ndarray::Array2;
 
 use crate::deformation::problem::Problem;
 use crate::deformation::quadratic::{Quadratic, Stiffness, dirichlet_springs, harmonic};
+use crate::deformation::rotation::nearest_rotation;
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::element_stiffness;
 
 const MOST_ITERATIONS: usize = 200;
-/// How much the last rotation counts: where a neighbourhood is a line or a point, it decides.
-const INERTIA: f64 = 1e-9;
 
 /// Alternates between the rotations that fit the neighbourhood of every vertex best and the
 /// positions that fit these rotations best, from the harmonic deformation, until no vertex moves
@@ -83,32 +82,9 @@ fn fit_rotations(
     }
     for ((rotation, covariance), scale) in rotations.iter_mut().zip(covariances).zip(scales) {
         if scale > 0.0 {
-            let size = covariance.norm().max(f64::MIN_POSITIVE);
-            *rotation = nearest_rotation(covariance / size + rotation.matrix() * INERTIA);
+            *rotation = nearest_rotation(covariance, rotation);
         }
     }
-}
-
-/// The R of largest tr(Rᵀ m): as a quaternion, the eigenvector of the largest eigenvalue of a
-/// symmetric matrix (Horn 1987, "Closed-form solution of absolute orientation using unit
-/// quaternions"). Unlike an iteration on rotations it ends whatever the rank of `m`.
-fn nearest_rotation(m: Matrix3<f64>) -> Rotation3<f64> {
-    let trace = m.trace();
-    let twist = Vector3::new(
-        m[(2, 1)] - m[(1, 2)],
-        m[(0, 2)] - m[(2, 0)],
-        m[(1, 0)] - m[(0, 1)],
-    );
-    let block = m + m.transpose() - Matrix3::identity() * trace;
-    let symmetric = Matrix4::from_fn(|i, j| match (i, j) {
-        (0, 0) => trace,
-        (0, axis) | (axis, 0) => twist[axis - 1],
-        (i, j) => block[(i - 1, j - 1)],
-    });
-    let eigen = symmetric.symmetric_eigen();
-    let largest = eigen.eigenvectors.column(eigen.eigenvalues.imax());
-    let quaternion = Quaternion::new(largest[0], largest[1], largest[2], largest[3]);
-    UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix()
 }
 
 /// Σ w R (p_i − p_j) over the edges of all faces around every vertex i, R the mean of the
@@ -137,23 +113,4 @@ fn rotated(
 
 fn difference(values: &Array2<f64>, i: usize, j: usize) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| values[[axis, i]] - values[[axis, j]])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_rotation_is_found_whatever_the_rank() {
-        let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.8);
-        let stretch = Matrix3::new(2.0, 0.3, 0.1, 0.3, 1.0, -0.2, 0.1, -0.2, 0.7);
-        let found = nearest_rotation(turn.matrix() * stretch);
-        assert!((found.matrix() - turn.matrix()).norm() < 1e-12);
-        // Of rank one: what it does to the first axis is all that is asked.
-        let line = turn.matrix() * Matrix3::from_diagonal(&Vector3::x());
-        let found = nearest_rotation(line);
-        assert!((found.matrix().column(0) - turn.matrix().column(0)).norm() < 1e-12);
-        let last = nearest_rotation(turn.matrix() * INERTIA);
-        assert!((last.matrix() - turn.matrix()).norm() < 1e-12);
-    }
 }

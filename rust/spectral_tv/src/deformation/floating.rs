@@ -5,10 +5,8 @@ use ndarray::Array2;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use crate::deformation::rotation::nearest_rotation;
 use crate::mesh::{TriangleMesh, connected_components};
-
-/// Iterations of the polar decomposition, which starts from no rotation.
-const ROTATION_ITERATIONS: usize = 100;
 
 /// The pieces that nothing holds, such as the eyes of a head.
 #[derive(Debug, Clone)]
@@ -55,21 +53,11 @@ impl Floating {
             let after: Vector3<f64> = piece.iter().map(moved).sum();
             let (before, after) = (before * scale, after * scale);
             let mut covariance = Matrix3::zeros();
-            let mut spread = 0.0;
             for follower in piece {
                 let arm = follower.nearest_position - before;
                 covariance += (moved(follower) - after) * arm.transpose();
-                spread += arm.norm_squared();
             }
-            let rotation = match spread > 0.0 {
-                true => Rotation3::from_matrix_eps(
-                    &(covariance / spread),
-                    f64::EPSILON,
-                    ROTATION_ITERATIONS,
-                    Rotation3::identity(),
-                ),
-                false => Rotation3::identity(),
-            };
+            let rotation = nearest_rotation(covariance, &Rotation3::identity());
             for follower in piece {
                 let target = after + rotation * (follower.position - before);
                 for axis in 0..3 {

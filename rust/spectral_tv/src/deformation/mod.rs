@@ -14,6 +14,7 @@ mod floating;
 mod problem;
 mod quadratic;
 mod reweighted;
+mod rotation;
 mod span;
 
 pub use constraints::Constraints;
