@@ -131,3 +131,25 @@ def test_soft_constraints_follow_too(rig):
     dragged = deformer.drag(targets)
     np.testing.assert_allclose(dragged.vertices, solved.vertices, atol=0.05)
     assert dragged.gap < 0.1
+
+
+def test_a_single_handle_on_coincident_vertices_ends_at_rest():
+    # Nothing needs to stretch: weights grow as far as the rounding of gradients lets them.
+    vertices = np.full((24, 3), 7.4375)
+    vertices[[5, 19, 23]] = [[7.4375, 7.4375, -7.125], [7.4375, -5.375, -4.3125], [1, -0.0625, 0]]
+    faces = [[15, 2, 0], [0, 1, 3], [3, 5, 14], [23, 19, 14], [10, 0, 17], [4, 0, 8]]
+    handles = [11, 0, 13]
+    goal = np.array([[0.1875, 0.1875, -5.375], [-5.375, 2.25, 0.625], [0.625, 0.5625, 0.9375]])
+    deformer = spectral_tv.Deformer(spectral_tv.Mesh(vertices, faces), handles)
+
+    def targets(share):
+        return vertices[handles] + share * (goal - vertices[handles])
+
+    for _ in range(2):
+        deformer.drag(targets(7.4375))
+    for share in (0.5, 1.0, 0.0):
+        result = deformer.solve(targets(share))
+        assert result.total_variation < 1e-6 and result.gap <= 1e-3
+        followers = [1, 2, 3, 5, 14, 15]
+        moved = vertices[followers] + targets(share)[1] - vertices[0]
+        np.testing.assert_allclose(result.vertices[followers], moved, atol=1e-3)

@@ -26,8 +26,9 @@ const MOST_ITERATIONS: usize = 100;
 const DRAG_EPSILON: f64 = 1e-3;
 /// The gap beyond which a drag takes a Newton step too, where that costs no more.
 const LAGGING: f64 = 0.02;
-/// Gradients below this, relative to the displacements over the size, are rounding.
-const UNSTRETCHED: f64 = 1e-9;
+/// The mean gradient below which, relative to the displacements over the size, ε does not follow
+/// it: with the smaller ε the weights would differ by more than factors can tell apart.
+const UNSTRETCHED: f64 = 1e-6;
 /// Progress is shown as nearing the end by this factor an iteration.
 const PROGRESS: f64 = 0.87;
 

@@ -7,8 +7,11 @@ const SLOPE_TOLERANCE: f64 = 1e-2;
 const MOST_EVALUATIONS: usize = 20;
 
 /// The α in [0, 2] that minimises a convex function, given its `slope` and the slope at 0,
-/// `start` < 0: the root of the slope, by regula falsi (Illinois).
+/// `start`: the root of the slope, by regula falsi (Illinois); 0 where nothing descends.
 pub fn least_along(start: f64, slope: impl Fn(f64) -> f64) -> f64 {
+    if start >= 0.0 {
+        return 0.0;
+    }
     let (mut low, mut low_value) = (0.0, start);
     let (mut high, mut high_value) = (1.0, slope(1.0));
     if high_value < 0.0 {
@@ -49,5 +52,6 @@ mod tests {
         let slope = |alpha: f64| alpha.powi(3) - 0.3;
         assert!(slope(least_along(-0.3, slope)).abs() <= 1e-2 * 0.3);
         assert_eq!(least_along(-9.0, |alpha| alpha - 9.0), 2.0);
+        assert_eq!(least_along(0.0, |_| 0.0), 0.0);
     }
 }

@@ -3,7 +3,8 @@
 use ndarray::Array2;
 
 /// Solves K x = `right_hand_side` (C, V) from x = 0 until the preconditioned residual has
-/// fallen by `tolerance`, or for `most_iterations`.
+/// fallen by `tolerance`, or for `most_iterations`. Where rounding leaves K no positive curvature
+/// along a search, what was found before counts: the preconditioned residual at least.
 ///
 /// `apply` gives K x; `precondition` replaces a residual by its approximate solution.
 pub fn conjugate_gradients(
@@ -20,12 +21,15 @@ pub fn conjugate_gradients(
     let mut search = preconditioned.clone();
     let mut energy = (&residual * &preconditioned).sum();
     let goal = tolerance * tolerance * energy;
-    for _ in 0..most_iterations {
+    for iteration in 0..most_iterations {
         if energy <= goal {
             break;
         }
         let image = apply(&search);
         let length = energy / (&search * &image).sum();
+        if !length.is_finite() || length <= 0.0 {
+            return if iteration == 0 { search } else { solution };
+        }
         solution.scaled_add(length, &search);
         residual.scaled_add(-length, &image);
         preconditioned.assign(&residual);
@@ -42,6 +46,15 @@ pub fn conjugate_gradients(
 mod tests {
     use super::*;
     use ndarray::{arr1, arr2};
+
+    #[test]
+    fn a_singular_matrix_leaves_the_preconditioned_residual() {
+        let right = arr2(&[[1.0, -2.0]]);
+        let halve = |residual: &mut Array2<f64>| *residual *= 0.5;
+        let nothing = |x: &Array2<f64>| x * 0.0;
+        let solution = conjugate_gradients(nothing, halve, &right, 1e-3, 10);
+        assert_eq!(solution, &right * 0.5);
+    }
 
     #[test]
     fn solves_a_small_system_exactly() {
