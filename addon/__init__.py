@@ -10,12 +10,12 @@ from types import ModuleType
 from . import native
 
 _PARTS = (
-    "properties",
-    "records",
-    "constraints",
+    "decomposition.properties",
+    "scene.records",
+    "deformation.constraints",
     "attributes",
     "images",
-    "spectrum",
+    "decomposition.spectrum",
     "operators",
     "panels",
     "handlers",

@@ -3,8 +3,8 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import faults, jobs
-from .bands import forget_flows
+from .decomposition.bands import forget_flows
+from .job import faults, jobs
 from .operators import live
 
 

@@ -7,9 +7,9 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..lettering import HEIGHT, mask
-from ..objects import Refusal
-from ..spectrum import colour
+from ..decomposition.lettering import HEIGHT, mask
+from ..decomposition.spectrum import colour
+from ..scene.objects import Refusal
 from .flows import Prepared
 from .sources import read
 

@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..filtering import filter_values
-from ..objects import Refusal
-from ..surface import Surface
+from ..filters.filtering import filter_values
+from ..scene.objects import Refusal
+from ..scene.surface import Surface
 from .outputs import BAND, REST
 from .sources import Source, read
 

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from bpy.props import CollectionProperty, PointerProperty, StringProperty
 
-from ..shape_keys import add_displacements, set_displacement
+from ..scene.shape_keys import add_displacements, set_displacement
 from .sources import TYPES, Source
 
 BAND, REST = "Band", "Rest"

@@ -9,7 +9,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..filtering import FilterProperties
+from ..filters.filtering import FilterProperties
 from .curves import PARTS
 from .flows import Choice
 from .sources import KINDS, names

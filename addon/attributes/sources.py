@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..objects import Refusal
-from ..records import coordinates
-from ..surface import basis_coordinates
+from ..scene.objects import Refusal
+from ..scene.records import coordinates
+from ..scene.surface import basis_coordinates
 
 KINDS = (
     ("ATTRIBUTE", "Attribute", "An attribute of the mesh", "SPREADSHEET", 0),

@@ -8,10 +8,10 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..bands import add_bands, prepare, set_values
-from ..gains import curve_values
-from ..settings import COMPARISONS, METHODS, METRICS, WITH_BASE, Settings
-from ..shape_keys import SLIDER_RANGE
+from ..decomposition.bands import add_bands, prepare, set_values
+from ..decomposition.settings import COMPARISONS, METHODS, METRICS, WITH_BASE, Settings
+from ..filters.gains import curve_values
+from ..scene.shape_keys import SLIDER_RANGE
 from .arguments import number, percent, whole
 from .progress import progress
 from .verb import Task, Verb

@@ -8,12 +8,12 @@ import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
 
-from .. import baking, constraints
-from ..animation import travel
-from ..constraints import ALGORITHMS, deformation_of
-from ..deformation import message, prepare, write
-from ..empties import add_empty
-from ..objects import Refusal
+from ..deformation import baking, constraints
+from ..deformation.constraints import ALGORITHMS, deformation_of
+from ..deformation.deform import message, prepare, write
+from ..deformation.empties import add_empty
+from ..scene.animation import travel
+from ..scene.objects import Refusal
 from . import files
 from .arguments import percent
 from .places import group_of

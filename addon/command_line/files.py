@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from ..objects import Refusal
+from ..scene.objects import Refusal
 
 
 @dataclass(frozen=True)

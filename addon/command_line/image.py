@@ -9,7 +9,7 @@ import spectral_tv
 from ..images import pixels
 from ..images.bands import Choice, prepare, write
 from ..images.properties import METRICS
-from ..objects import Refusal
+from ..scene.objects import Refusal
 from .arguments import EXIT_CODES, positive, whole
 from .decompose import add_gains, band_values, complaint_of_gains
 from .progress import progress, say

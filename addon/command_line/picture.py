@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 from mathutils import Euler, Vector
 
-from ..objects import Refusal
-from ..records import coordinates
+from ..scene.objects import Refusal
+from ..scene.records import coordinates
 
 SIDE = 640
 SAMPLES = 24

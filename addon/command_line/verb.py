@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import spectral_tv
 
-from ..objects import Refusal, refusal
+from ..scene.objects import Refusal, refusal
 from . import files, picture
 from .arguments import add_arguments, complaint, epilog, outputs
 from .progress import say

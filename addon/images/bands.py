@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..filtering import filter_values
-from ..objects import Refusal
+from ..filters.filtering import filter_values
+from ..scene.objects import Refusal
 from . import pixels
 
 BAND, REST, FILTERED = "Band", "Rest", "Filtered"

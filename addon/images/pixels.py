@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..objects import Refusal
-from ..records import digest
+from ..scene.objects import Refusal
+from ..scene.records import digest
 
 # Of red, green and blue in luminance (ITU-R BT.709).
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
-from ..filtering import FilterProperties
+from ..filters.filtering import FilterProperties
 from .bands import Choice
 
 RESULTS = (

@@ -6,8 +6,8 @@ from typing import Any
 import bpy
 import spectral_tv
 
-from .. import faults, jobs
-from ..objects import Refusal, refusal
+from ..job import faults, jobs
+from ..scene.objects import Refusal, refusal
 from . import _timers
 from ._progress import cursor_progress, redraw_sidebars
 

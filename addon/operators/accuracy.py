@@ -7,12 +7,12 @@ import bpy
 import spectral_tv
 from bpy.props import EnumProperty
 
-from .. import accuracy
-from ..bands import base_shape
-from ..objects import Refusal
-from ..properties import DecompositionProperties, draw_method
-from ..settings import STEPLESS, key_label
-from ..surface import Surface
+from ..attributes import accuracy
+from ..decomposition.bands import base_shape
+from ..decomposition.properties import DecompositionProperties, draw_method
+from ..decomposition.settings import STEPLESS, key_label
+from ..scene.objects import Refusal
+from ..scene.surface import Surface
 from ._job import JobOperator
 
 # A surface, and the arguments of spectral_tv.accuracy.

@@ -7,9 +7,9 @@ import bpy
 import spectral_tv
 from bpy.props import IntProperty
 
-from .. import baking
-from ..deformation import deform_refusal
-from ..objects import Refusal
+from ..deformation import baking
+from ..deformation.deform import deform_refusal
+from ..scene.objects import Refusal
 from ._job import JobOperator
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import bpy
 import spectral_tv
 
-from .. import faults, jobs
-from ..bands import add_bands, prepare, recall, set_values
-from ..gains import caricature_values
-from ..objects import Refusal, distinct_meshes, refusal
-from ..properties import CaricatureProperties
-from ..settings import Settings
-from ..surface import Surface
+from ..decomposition.bands import add_bands, prepare, recall, set_values
+from ..decomposition.properties import CaricatureProperties
+from ..decomposition.settings import Settings
+from ..filters.gains import caricature_values
+from ..job import faults, jobs
+from ..scene.objects import Refusal, distinct_meshes, refusal
+from ..scene.surface import Surface
 from ._job import JobOperator
 
 

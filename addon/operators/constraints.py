@@ -3,9 +3,9 @@
 import bpy
 from bpy.props import EnumProperty
 
-from .. import constraints
-from ..empties import add_empty
-from ..objects import Refusal, refusal
+from ..deformation import constraints
+from ..deformation.empties import add_empty
+from ..scene.objects import Refusal, refusal
 
 
 class ConstraintOperator:

@@ -6,10 +6,11 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .. import faults, jobs, segments
-from ..objects import Refusal, distinct_meshes, refusal
-from ..properties import SegmentationProperties
-from ..surface import Surface
+from ..decomposition.properties import SegmentationProperties
+from ..job import faults, jobs
+from ..scene import segments
+from ..scene.objects import Refusal, distinct_meshes, refusal
+from ..scene.surface import Surface
 from ._job import JobOperator
 
 # The objects by name with their surfaces, and what they looked like.

@@ -6,10 +6,10 @@ from typing import Any
 import bpy
 import spectral_tv
 
-from ..bands import add_bands, prepare, recall
-from ..properties import DecompositionProperties, draw_method
-from ..settings import key_label
-from ..surface import Surface
+from ..decomposition.bands import add_bands, prepare, recall
+from ..decomposition.properties import DecompositionProperties, draw_method
+from ..decomposition.settings import key_label
+from ..scene.surface import Surface
 from ._job import JobOperator
 
 # A surface, and the arguments of spectral_tv.decompose.

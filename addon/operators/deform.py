@@ -6,8 +6,8 @@ from typing import Any
 import bpy
 import spectral_tv
 
-from ..constraints import DeformationProperties, deformation_of
-from ..deformation import Deformable, deform_refusal, message, prepare, write
+from ..deformation.constraints import DeformationProperties, deformation_of
+from ..deformation.deform import Deformable, deform_refusal, message, prepare, write
 from ._job import JobOperator
 
 # What was read of the object, and the arguments of spectral_tv.deform.

@@ -10,7 +10,7 @@ from bpy.props import StringProperty
 
 from ..attributes.outputs import write
 from ..attributes.sources import Source, read
-from ..surface import Surface
+from ..scene.surface import Surface
 from ._job import JobOperator
 
 SUPERSET = "Superset"

@@ -3,11 +3,11 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
-from .. import filter_curve
-from ..bands import cut_again, has_flow, set_values
-from ..gains import PRESETS, curve_values, preset_values
-from ..objects import Refusal, refusal
-from ..records import band_keys, record_of, topology_changed
+from ..decomposition.bands import cut_again, has_flow, set_values
+from ..filters import filter_curve
+from ..filters.gains import PRESETS, curve_values, preset_values
+from ..scene.objects import Refusal, refusal
+from ..scene.records import band_keys, record_of, topology_changed
 
 
 def bands_refusal(obj: bpy.types.Object | None, override: bool = True) -> str | None:

@@ -9,7 +9,7 @@ from bpy.props import StringProperty
 from ..images import pixels
 from ..images.bands import Prepared, prepare, write
 from ..images.properties import ImageProperties
-from ..objects import Refusal
+from ..scene.objects import Refusal
 from ._job import JobOperator
 
 

@@ -3,9 +3,9 @@
 import bpy
 import spectral_tv
 
-from .. import faults, jobs
-from ..live import LiveDeformation
-from ..objects import Refusal
+from ..deformation.live import LiveDeformation
+from ..job import faults, jobs
+from ..scene.objects import Refusal
 from . import _timers
 from ._progress import redraw_sidebars
 from .deform import deform_refusal

@@ -4,10 +4,10 @@ import bpy
 import numpy as np
 from bpy.props import IntProperty
 
-from ..objects import Refusal
-from ..records import band_keys, coordinates, record_of, topology_digest
-from ..shape_keys import add_displacements
-from ..surface import basis_coordinates
+from ..scene.objects import Refusal
+from ..scene.records import band_keys, coordinates, record_of, topology_digest
+from ..scene.shape_keys import add_displacements
+from ..scene.surface import basis_coordinates
 from .filter import BandsOperator, bands_refusal
 
 

@@ -3,7 +3,7 @@
 import bmesh
 import bpy
 
-from .. import faults
+from ..job import faults
 
 
 class SPECTRAL_TV_OT_select_faulty(bpy.types.Operator):

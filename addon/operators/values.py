@@ -12,7 +12,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..attributes import curves, flows
 from ..attributes.properties import AttributeProperties, MeasureProperties
-from ..objects import Refusal
+from ..scene.objects import Refusal
 from ._job import JobOperator
 
 

@@ -2,12 +2,12 @@
 
 import bpy
 
-from .. import faults, jobs
-from ..estimates import Needs, of_meshes
-from ..objects import refusal, selected_meshes
+from ..decomposition.settings import Settings
+from ..job import faults, jobs
+from ..job.estimates import Needs, of_meshes
 from ..operators._job import SPECTRAL_TV_OT_cancel
 from ..operators.select_faulty import SPECTRAL_TV_OT_select_faulty
-from ..settings import Settings
+from ..scene.objects import refusal, selected_meshes
 from ..sidebar import Sidebar, say
 
 __all__ = ["Sidebar", "draw_fault", "draw_needs", "draw_progress", "draw_selection", "say"]

@@ -2,13 +2,13 @@
 
 import bpy
 
-from .. import estimates, jobs
 from ..attributes.properties import AttributeProperties, MeasureProperties
-from ..objects import is_mesh, refusal
+from ..decomposition.properties import copy_choices
+from ..job import estimates, jobs
 from ..operators.attributes import SPECTRAL_TV_OT_flow_attribute
 from ..operators.eigenset import SPECTRAL_TV_OT_test_eigenset
 from ..operators.values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
-from ..properties import copy_choices
+from ..scene.objects import is_mesh, refusal
 from ._sidebar import Sidebar, draw_needs, draw_progress, say
 
 

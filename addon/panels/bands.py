@@ -5,14 +5,17 @@ from itertools import chain
 
 import bpy
 
-from .. import accuracy, estimates, filter_curve, jobs, spectrum
-from ..gains import PRESETS
+from ..attributes import accuracy
+from ..decomposition import spectrum
+from ..decomposition.properties import DecompositionProperties, copy_choices
+from ..decomposition.settings import STEPLESS
+from ..filters import filter_curve
+from ..filters.gains import PRESETS
+from ..job import estimates, jobs
 from ..operators import filter as operators
 from ..operators.accuracy import SPECTRAL_TV_OT_measure_accuracy
 from ..operators.mix import SPECTRAL_TV_OT_take_bands
-from ..properties import DecompositionProperties, copy_choices
-from ..records import SpectralTVRecord, band_keys, record_of, topology_changed
-from ..settings import STEPLESS
+from ..scene.records import SpectralTVRecord, band_keys, record_of, topology_changed
 from ._sidebar import Sidebar, draw_needs, draw_progress, say
 
 

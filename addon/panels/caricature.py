@@ -2,11 +2,11 @@
 
 import bpy
 
-from .. import jobs
-from ..objects import is_mesh
+from ..decomposition.properties import CaricatureProperties, copy_choices
+from ..decomposition.settings import Settings
+from ..job import jobs
 from ..operators.caricature import SPECTRAL_TV_OT_caricature
-from ..properties import CaricatureProperties, copy_choices
-from ..settings import Settings
+from ..scene.objects import is_mesh
 from ._sidebar import Sidebar, draw_progress, draw_selection
 
 

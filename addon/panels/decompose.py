@@ -2,11 +2,11 @@
 
 import bpy
 
-from .. import estimates, jobs
-from ..objects import refusal
+from ..decomposition.properties import DecompositionProperties, copy_choices, draw_method
+from ..decomposition.settings import WITH_BASE
+from ..job import estimates, jobs
 from ..operators.decompose import SPECTRAL_TV_OT_decompose
-from ..properties import DecompositionProperties, copy_choices, draw_method
-from ..settings import WITH_BASE
+from ..scene.objects import refusal
 from ._sidebar import Sidebar, draw_fault, draw_needs, draw_progress, say
 
 

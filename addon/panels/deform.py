@@ -2,9 +2,9 @@
 
 import bpy
 
-from .. import constraints, jobs
-from ..deformation import deform_refusal
-from ..objects import is_mesh
+from ..deformation import constraints
+from ..deformation.deform import deform_refusal
+from ..job import jobs
 from ..operators.bake_deformation import SPECTRAL_TV_OT_bake_deformation
 from ..operators.constraints import (
     SPECTRAL_TV_OT_constraint_add,
@@ -13,6 +13,7 @@ from ..operators.constraints import (
 )
 from ..operators.deform import SPECTRAL_TV_OT_deform
 from ..operators.live import SPECTRAL_TV_OT_deform_live
+from ..scene.objects import is_mesh
 from ._sidebar import Sidebar, draw_fault, draw_progress, say
 
 

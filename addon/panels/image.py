@@ -2,11 +2,11 @@
 
 import bpy
 
-from .. import estimates, jobs
+from ..decomposition.properties import copy_choices
 from ..images.pixels import refusal
 from ..images.properties import ImageProperties
+from ..job import estimates, jobs
 from ..operators.image import SPECTRAL_TV_OT_filter_image
-from ..properties import copy_choices
 from ._sidebar import draw_needs, draw_progress, say
 
 

@@ -2,11 +2,11 @@
 
 import bpy
 
-from .. import jobs
-from ..objects import is_mesh
+from ..decomposition.properties import SegmentationProperties, copy_choices
+from ..decomposition.settings import Settings
+from ..job import jobs
 from ..operators.cosegment import METHOD, SPECTRAL_TV_OT_cosegment
-from ..properties import SegmentationProperties, copy_choices
-from ..settings import Settings
+from ..scene.objects import is_mesh
 from ._sidebar import Sidebar, draw_progress, draw_selection
 
 

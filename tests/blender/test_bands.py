@@ -138,8 +138,8 @@ def test_cutting_again_uses_the_same_flow(banded):
 
 
 def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
-    bands = import_module(f"{EXTENSION}.bands")
-    settings = import_module(f"{EXTENSION}.settings").Settings
+    bands = import_module(f"{EXTENSION}.decomposition.bands")
+    settings = import_module(f"{EXTENSION}.decomposition.settings").Settings
 
     def is_recalled(**choices) -> bool:
         return bands.recall(*bands.prepare(banded, settings(**choices))) is not None
@@ -153,7 +153,7 @@ def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
 
 
 def test_the_spectrum_shows_the_bands_from_left_to_right(banded):
-    spectrum = import_module(f"{EXTENSION}.spectrum")
+    spectrum = import_module(f"{EXTENSION}.decomposition.spectrum")
     record = banded.data.shape_keys.spectral_tv
     bottom = [tuple(pixel) for pixel in spectrum.picture(record)[0]]
     colours = [tuple(np.float32(spectrum.colour(band, 4))) for band in range(4)]

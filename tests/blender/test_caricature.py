@@ -80,7 +80,7 @@ def test_amplified_bands_stand_out_and_smoothed_ones_are_gone(poses):
 
 
 def test_bands_in_memory_are_not_flowed_again(poses):
-    bands = import_module(f"{MODULE}.bands")
+    bands = import_module(f"{MODULE}.decomposition.bands")
     bands.forget_flows()
     bpy.ops.spectral_tv.caricature(bands=3, steps=8, smooth=0)
     flows = {id(flow.split) for flow in bands._flows.values()}
@@ -105,7 +105,7 @@ def test_refusals_change_nothing(poses):
 
 def test_a_chain_without_a_last_job_gives_all_results(poses):
     """What a window runs, one pose after the other."""
-    jobs = import_module(f"{MODULE}.jobs")
+    jobs = import_module(f"{MODULE}.job.jobs")
     meshes = [spectral_tv.Mesh(s * VERTICES, FACES) for s in (1, 2)]
     chain = jobs.Chain([lambda m=m: spectral_tv.start_decompose(m, "m1", steps=6) for m in meshes])
     seen = []

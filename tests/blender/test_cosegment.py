@@ -78,8 +78,8 @@ def test_a_mesh_that_cannot_be_used_is_named(poses):
 
 
 def chain(poses, steps=24):
-    jobs = import_module(f"{MODULE}.jobs")
-    surface = import_module(f"{MODULE}.surface").Surface
+    jobs = import_module(f"{MODULE}.job.jobs")
+    surface = import_module(f"{MODULE}.scene.surface").Surface
     meshes = [surface.read(obj).mesh for obj in poses]
     starts = [lambda mesh=mesh: spectral_tv.start_decompose(mesh, "m2", steps=steps)
               for mesh in meshes]  # fmt: skip

@@ -42,7 +42,7 @@ def test_baking_gives_each_frame_its_shape(held):
 
 
 def test_a_live_deformation_follows_and_settles_at_the_optimum(held):
-    live = import_module(f"{MODULE}.live").LiveDeformation(held)
+    live = import_module(f"{MODULE}.deformation.live").LiveDeformation(held)
     for _ in range(10):
         handle(held).location += Vector((0.05, 0, 0.02))
         bpy.context.view_layer.update()
@@ -63,8 +63,8 @@ def test_a_live_deformation_follows_and_settles_at_the_optimum(held):
 
 
 def test_a_live_deformation_ends_when_the_mesh_changes(held):
-    refusal = import_module(f"{MODULE}.objects").Refusal
-    live = import_module(f"{MODULE}.live").LiveDeformation(held)
+    refusal = import_module(f"{MODULE}.scene.objects").Refusal
+    live = import_module(f"{MODULE}.deformation.live").LiveDeformation(held)
     live.update()
     held.data.vertices.add(1)
     with pytest.raises(refusal, match="vertices or faces changed"):

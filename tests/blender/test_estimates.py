@@ -12,11 +12,11 @@ from conftest import MODULE
 
 
 def estimates():
-    return importlib.import_module(f"{MODULE}.estimates")
+    return importlib.import_module(f"{MODULE}.job.estimates")
 
 
 def settings(**choices):
-    return importlib.import_module(f"{MODULE}.settings").Settings(**choices)
+    return importlib.import_module(f"{MODULE}.decomposition.settings").Settings(**choices)
 
 
 def test_small_works_are_not_worth_a_word():

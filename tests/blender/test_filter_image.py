@@ -155,7 +155,7 @@ def test_refusals():
 
 def test_the_job_of_a_window_is_polled_and_notices_changes():
     """What a window runs in a thread gives the same; a changed image is not the same subject."""
-    jobs = import_module(f"{MODULE}.jobs")
+    jobs = import_module(f"{MODULE}.job.jobs")
     bands = import_module(f"{MODULE}.images.bands")
     pixels = import_module(f"{MODULE}.images.pixels")
     image = discs(True)

@@ -7,12 +7,12 @@ import bpy
 import numpy as np
 import spectral_tv
 
+from ..scene.objects import refusal
+from ..scene.records import coordinates, digest
+from ..scene.shape_keys import add_displacements, set_displacement
+from ..scene.surface import Surface
 from .constraints import deformation_of
 from .handles import Handles
-from .objects import refusal
-from .records import coordinates, digest
-from .shape_keys import add_displacements, set_displacement
-from .surface import Surface
 
 NAME = "Deformation"
 

@@ -6,8 +6,8 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
+from ..scene.records import SpectralTVRecord
 from .lettering import mask
-from .records import SpectralTVRecord
 
 # Drawn at half that size where the interface is not scaled.
 SIDE = 264

@@ -6,9 +6,9 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..scene.objects import Refusal
 from . import filter_curve
 from .gains import PRESETS, curve_values, preset_values
-from .objects import Refusal
 
 FILTERS = (
     *(preset for preset in PRESETS if preset[0] != "RESET"),

@@ -12,7 +12,7 @@ from bpy.props import (
 )
 from mathutils import Matrix
 
-from .objects import Refusal
+from ..scene.objects import Refusal
 
 KINDS = (
     ("PIN", "Pin", "The vertices of the group stay where they are", "PINNED", 0),

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .objects import Refusal
+from ..scene.objects import Refusal
 
 
 @dataclass(frozen=True)

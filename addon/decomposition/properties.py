@@ -12,7 +12,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from .segments import OUTPUTS
+from ..scene.segments import OUTPUTS
 from .settings import BASES, METHOD_ITEMS, METHODS, METRICS, STEPLESS, Settings
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..scene.objects import Refusal
+from ..scene.records import coordinates
+from ..scene.surface import basis_coordinates
 from .constraints import SpectralTVConstraint, deformation_of
-from .objects import Refusal
-from .records import coordinates
-from .surface import basis_coordinates
 
 # Painted weights reach 1 and 0 but for rounding.
 EXACT, NOTHING = 0.999, 1e-3

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .deformation import Deformable, write
-from .objects import Refusal, refusal
+from ..scene.objects import Refusal, refusal
+from .deform import Deformable, write
 
 # A coarse answer this far from the optimum is drawn once more before the exact one is worked out,
 # as that takes longer.

@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .attributes.outputs import write as write_outputs
-from .attributes.sources import Source
-from .surface import Surface
+from ..scene.surface import Surface
+from .outputs import write as write_outputs
+from .sources import Source
 
 # Of the heat map, from no error to the largest.
 RAMP = ((0.05, 0.08, 0.35), (0.1, 0.5, 0.55), (0.95, 0.9, 0.3))

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
+from ..scene.surface import basis_coordinates
 from .handles import group_weights
-from .surface import basis_coordinates
 
 
 def add_empty(obj: bpy.types.Object, group: str) -> bpy.types.Object:

@@ -9,11 +9,11 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .objects import Refusal
-from .records import band_keys, coordinates, digest, topology_digest
+from ..scene.objects import Refusal
+from ..scene.records import band_keys, coordinates, digest, topology_digest
+from ..scene.shape_keys import add_displacements
+from ..scene.surface import Surface, basis_coordinates
 from .settings import WITH_BASE, Settings, key_label
-from .shape_keys import add_displacements
-from .surface import Surface, basis_coordinates
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from .animation import play_in_turn, remove_animation
+from ..scene.animation import play_in_turn, remove_animation
+from ..scene.shape_keys import add_displacements
 from .constraints import deformation_of
-from .deformation import NAME, Deformable, result_key
-from .shape_keys import add_displacements
+from .deform import NAME, Deformable, result_key
 
 
 def prepare(

@@ -5,7 +5,7 @@ from typing import Any
 
 import spectral_tv
 
-from .settings import Settings
+from ..decomposition.settings import Settings
 
 # What is worth saying before the button is pressed: seconds, and the part of the memory.
 LONG = 5.0

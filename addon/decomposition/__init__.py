@@ -1,0 +1,1 @@
+"""Decompositions in the terms of the user, and their bands on an object."""

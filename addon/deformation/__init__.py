@@ -1,0 +1,1 @@
+"""Deformations: what holds and moves an object, and what becomes of it."""

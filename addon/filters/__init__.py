@@ -1,0 +1,1 @@
+"""Filters of any shape, as gains of the bands."""

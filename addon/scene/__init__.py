@@ -1,0 +1,1 @@
+"""What Blender holds: objects and their surfaces read, shape keys, records and segments written."""
