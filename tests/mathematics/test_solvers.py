@@ -147,3 +147,17 @@ def test_units_make_no_difference():
     ]
     for flow in flows[1:]:
         np.testing.assert_allclose(flow, flows[0], atol=1e-6)
+
+
+@pytest.mark.parametrize("length", [1e-4, 1.0, 1e2, 1e4, 1e6, 1e8])
+def test_steps_of_any_length(length):
+    vertices, triangles = irregular()
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    values = np.column_stack([vertices, np.sin(9 * vertices[:, 0])])
+    times = np.array([0, 1e-5, length]) * mesh.area
+    mean = np.average(values, axis=0, weights=mesh.vertex_areas)
+    for solver in ("multigrid", "cholesky"):
+        flow = spectral_tv.flow(mesh, values, times=times, scheme="lagged", solver=solver)
+        means = np.average(flow.states[-1], axis=0, weights=mesh.vertex_areas)
+        assert np.abs(means - mean).max() < 1e-5 * np.ptp(vertices)
+        assert flow.total_variation[-1] <= flow.total_variation[0]
