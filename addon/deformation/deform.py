@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..scene.objects import refusal
+from ..scene.objects import Refusal, refusal
 from ..scene.records import coordinates, digest
 from ..scene.shape_keys import add_displacements, set_displacement
 from ..scene.surface import Surface
@@ -15,6 +15,7 @@ from .constraints import deformation_of
 from .handles import Handles
 
 NAME = "Deformation"
+ONE_AFTER_ANOTHER = "Live and Bake Animation need the algorithm Total Variation"
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,12 @@ class Deformable:
         return percent / 100 * float(np.sqrt(self.surface.mesh.area))
 
     def deformer(self, obj: bpy.types.Object) -> spectral_tv.Deformer:
-        """What deforms the surface again and again, as soft as ``obj`` says."""
+        """What deforms the surface again and again, as soft as ``obj`` says.
+
+        Raises Refusal if ``obj`` asks for an algorithm that does not.
+        """
+        if deformation_of(obj).algorithm != "CONVEX":
+            raise Refusal(ONE_AFTER_ANOTHER)
         softness = self.softness(deformation_of(obj).softness)
         return spectral_tv.Deformer(self.surface.mesh, self.indices, self.handles.weights, softness)
 
@@ -58,6 +64,14 @@ def deform_refusal(obj: bpy.types.Object | None) -> str | None:
     reason = refusal(obj)
     if reason is None and not deformation_of(obj).constraints:
         reason = "The object has no constraints; add a pin and a handle"
+    return reason
+
+
+def follow_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why ``obj`` cannot be deformed again and again, as :func:`deform_refusal`."""
+    reason = deform_refusal(obj)
+    if reason is None and deformation_of(obj).algorithm != "CONVEX":
+        reason = ONE_AFTER_ANOTHER
     return reason
 
 

@@ -8,7 +8,7 @@ import spectral_tv
 from bpy.props import IntProperty
 
 from ..deformation import baking
-from ..deformation.deform import deform_refusal
+from ..deformation.deform import follow_refusal
 from ..scene.objects import Refusal
 from ._job import JobOperator
 
@@ -28,7 +28,7 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        return deform_refusal(context.active_object)
+        return follow_refusal(context.active_object)
 
     def prepare(self, obj: bpy.types.Object) -> Any:
         if self.frame_end < self.frame_start:

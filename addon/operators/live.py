@@ -3,12 +3,12 @@
 import bpy
 import spectral_tv
 
+from ..deformation.deform import follow_refusal
 from ..deformation.live import LiveDeformation
 from ..job import faults, jobs
 from ..scene.objects import Refusal
 from . import _timers
 from ._progress import redraw_sidebars
-from .deform import deform_refusal
 
 # Seconds between two looks at the handles.
 POLL = 1 / 60
@@ -39,7 +39,7 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if cls.is_running():
             return True
-        reason = deform_refusal(context.active_object)
+        reason = follow_refusal(context.active_object)
         if reason is None and jobs.running() is not None:
             reason = f"{jobs.running().message}; Esc cancels it"
         if reason is None and bpy.app.background:

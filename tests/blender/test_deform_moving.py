@@ -71,6 +71,17 @@ def test_a_live_deformation_ends_when_the_mesh_changes(held):
         live.update()
 
 
+def test_what_follows_handles_is_by_total_variation_alone(held):
+    refusal = import_module(f"{MODULE}.scene.objects").Refusal
+    held.spectral_tv.algorithm = "HARMONIC"
+    with pytest.raises(RuntimeError, match="need the algorithm Total Variation"):
+        bpy.ops.spectral_tv.bake_deformation(frame_end=2)
+    with pytest.raises(refusal, match="need the algorithm Total Variation"):
+        import_module(f"{MODULE}.deformation.live").LiveDeformation(held)
+    assert held.data.shape_keys is None
+    bpy.ops.spectral_tv.deform()
+
+
 def _triangles(obj) -> list[list[int]]:
     obj.data.calc_loop_triangles()
     return [list(triangle.vertices) for triangle in obj.data.loop_triangles]
