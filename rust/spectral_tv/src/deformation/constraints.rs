@@ -14,6 +14,8 @@ const SAME_POSITION: f64 = 1e-9;
 /// A patch of this fraction of the area and weight ½ pulls as hard as a cut of length √area
 /// holds back.
 const PATCH: f64 = 0.01;
+/// The least κ: reciprocals of it and products with displacements are numbers still.
+const WEAKEST: f64 = 1e-200;
 
 /// Which vertices are constrained, and how firmly; where they go is said anew for each solution.
 #[derive(Debug, Clone)]
@@ -154,7 +156,11 @@ impl Constraints {
         let springs = firmness.iter().zip(&self.spring);
         Ok(Targets {
             springs: springs
-                .map(|(firmness, &spring)| firmness * scale(spring))
+                .map(|(&firmness, &spring)| match firmness > 0.0 {
+                    // However weak, where nothing else holds a vertex it decides.
+                    true => (firmness * scale(spring)).max(WEAKEST),
+                    false => 0.0,
+                })
                 .collect(),
             displacements,
             centre: centre.into(),

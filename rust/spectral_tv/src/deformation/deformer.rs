@@ -29,6 +29,8 @@ const LAGGING: f64 = 0.02;
 /// The mean gradient below which, relative to the displacements over the size, ε does not follow
 /// it: with the smaller ε the weights would differ by more than factors can tell apart.
 const UNSTRETCHED: f64 = 1e-6;
+/// Widths below this, relative to √area, are rounding.
+const NO_SOFTNESS: f64 = 1e-12;
 /// Progress is shown as nearing the end by this factor an iteration.
 const PROGRESS: f64 = 0.87;
 
@@ -51,15 +53,22 @@ struct Handles {
 }
 
 impl Handles {
+    fn targets(&self, positions: &[[f64; 3]]) -> Result<Targets> {
+        let targets = self.constraints.targets(positions)?;
+        self.operators.check_gradients(2.0 * targets.radius)?;
+        Ok(targets)
+    }
+
     fn problem<'a>(&'a self, targets: &'a Targets, epsilon: f64) -> Problem<'a> {
+        let steepest = match self.softness > NO_SOFTNESS * self.operators.area().sqrt() {
+            true => targets.spread() / self.softness,
+            false => f64::INFINITY,
+        };
         Problem {
             operators: &self.operators,
             targets,
             fixed: &self.constraints.fixed,
-            variation: Variation {
-                epsilon,
-                steepest: targets.spread() / self.softness, // infinite for 0
-            },
+            variation: Variation { epsilon, steepest },
         }
     }
 }
@@ -121,7 +130,7 @@ impl Deformer {
         stage: Stage,
     ) -> Result<Deformation> {
         check_tolerance(tolerance)?;
-        let targets = self.handles.constraints.targets(positions)?;
+        let targets = self.handles.targets(positions)?;
         if targets.radius == 0.0 {
             return Ok(self.carry(&targets));
         }
@@ -185,7 +194,7 @@ impl Deformer {
     /// If there are not as many positions as constraints, one is not finite, two exact ones of a
     /// vertex differ, or a system cannot be solved.
     pub fn drag(&mut self, positions: &[[f64; 3]]) -> Result<Deformation> {
-        let targets = self.handles.constraints.targets(positions)?;
+        let targets = self.handles.targets(positions)?;
         if targets.radius == 0.0 {
             return Ok(self.carry(&targets));
         }

@@ -1,10 +1,12 @@
 //! The rotation that fits best.
 
-use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 
 /// How much the rotation that is known counts: where only a line or a point is to be turned, it
 /// decides.
 const INERTIA: f64 = 1e-9;
+/// A handful is what it takes.
+const MOST_ITERATIONS: usize = 1000;
 
 /// The R of largest tr(Rᵀ m), for m = Σ a′ aᵀ over arms a to be turned to a′, and of those the
 /// one nearest to `known`: as a quaternion, the eigenvector of the largest eigenvalue of a
@@ -25,7 +27,9 @@ pub(super) fn nearest_rotation(covariance: Matrix3<f64>, known: &Rotation3<f64>)
         (0, axis) | (axis, 0) => twist[axis - 1],
         (i, j) => block[(i - 1, j - 1)],
     });
-    let eigen = symmetric.symmetric_eigen();
+    let Some(eigen) = SymmetricEigen::try_new(symmetric, f64::EPSILON, MOST_ITERATIONS) else {
+        return *known;
+    };
     let largest = eigen.eigenvectors.column(eigen.eigenvalues.imax());
     let quaternion = Quaternion::new(largest[0], largest[1], largest[2], largest[3]);
     UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix()

@@ -130,10 +130,16 @@ fn embedded_area(positions: ArrayView2<f64>, [i, j, k]: [u32; 3]) -> f64 {
         std::array::from_fn(|axis| positions[[axis, to]] - positions[[axis, i]])
     };
     let (p, q) = (edge(j), edge(k));
+    // Squares of squares of coordinates would leave the range of numbers.
+    let size = p.iter().chain(&q).fold(0.0_f64, |max, x| max.max(x.abs()));
+    if size == 0.0 {
+        return 0.0;
+    }
+    let (p, q) = (p.map(|x| x / size), q.map(|x| x / size));
     let cross = [
         p[1] * q[2] - p[2] * q[1],
         p[2] * q[0] - p[0] * q[2],
         p[0] * q[1] - p[1] * q[0],
     ];
-    0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt()
+    0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt() * size * size
 }

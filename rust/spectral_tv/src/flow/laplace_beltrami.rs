@@ -68,7 +68,9 @@ impl Eigenpairs {
         rest.assign(&vectors);
         rest /= &inverse.roots;
         let mut eigenvalues = vec![0.0; constants];
-        let eigenvalue = |inverse_of: &f64| (1.0 / inverse_of - inverse.shift).max(0.0);
+        // What is lost in rounding belongs to the highest, far beyond any time that matters.
+        let least = f64::EPSILON * values.first().copied().unwrap_or(0.0);
+        let eigenvalue = |of: &f64| (1.0 / of.max(least) - inverse.shift).max(0.0);
         eigenvalues.extend(values.iter().map(eigenvalue));
         Ok(Self {
             eigenvalues,

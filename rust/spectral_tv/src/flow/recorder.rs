@@ -83,10 +83,11 @@ impl Recorder {
 
     /// Takes the state at the next time, and its TV.
     pub fn push(&mut self, solution: Solution, total_variation: f64) {
-        let start = self.last_total_variation();
-        let gap = match self.is_extinct() {
+        let fall = solution.tau * self.last_total_variation();
+        // Steps and variations may be so small that their product is 0.
+        let gap = match self.is_extinct() || fall == 0.0 {
             true => 0.0,
-            false => solution.gap / (solution.tau * start),
+            false => solution.gap / fall,
         };
         self.trajectory.total_variation.push(total_variation);
         self.trajectory.gaps.push(gap);

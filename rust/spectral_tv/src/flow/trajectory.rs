@@ -109,9 +109,12 @@ impl Trajectory {
                 weights[v]
             )));
         }
-        let parts: Array1<f64> = weights.iter().zip(masses).map(|(w, m)| w * m).collect();
+        // Their unit makes no difference, but to what single numbers can hold.
+        let largest = weights.iter().fold(0.0_f64, |max, w| max.max(*w));
+        let parts = weights.iter().zip(masses).map(|(w, m)| w / largest * m);
+        let parts: Array1<f64> = parts.collect();
         let total = parts.sum();
-        if total <= 0.0 {
+        if largest == 0.0 || total <= 0.0 {
             return Err(Error::Argument(
                 "the weights give no vertex any area".into(),
             ));

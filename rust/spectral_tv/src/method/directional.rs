@@ -185,8 +185,11 @@ fn vertex_normals(shape: ArrayView2<f64>, triangles: &[[u32; 3]]) -> Array2<f64>
         }
     }
     for mut normal in normals.axis_iter_mut(Axis(1)) {
-        let length = normal.dot(&normal).sqrt();
-        if length > 0.0 {
+        // Squares of areas of a large shape would leave the range of numbers.
+        let largest = normal.fold(0.0_f64, |max, x| max.max(x.abs()));
+        if largest > 0.0 {
+            normal /= largest;
+            let length = normal.dot(&normal).sqrt();
             normal /= length;
         }
     }

@@ -175,8 +175,10 @@ impl PrimalDualNewton {
 fn reweighted_stiffness(energy: &Energy, slope: &Slope) -> impl Fn(usize) -> [f64; 3] {
     let gradient = energy.operators.gradient();
     move |face| {
-        let scale = energy.tau * gradient.face_areas()[face] * slope.weights[face];
-        element_stiffness(&gradient.hats()[face], scale)
+        // The area first: its product with ∇λ ∇λ′ has no unit.
+        let edges = element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
+        let scale = energy.tau * slope.weights[face];
+        edges.map(|edge| scale * edge)
     }
 }
 
@@ -192,13 +194,14 @@ fn newton_stiffness(
         let hats = &gradient.hats()[face];
         let along = |v: FaceVector| hats.map(|hat| hat[0] * v[0] + hat[1] * v[1]);
         let (z, g) = (along(dual[face]), along(slope.gradients[0][face]));
-        let scale = energy.tau * gradient.face_areas()[face] * slope.weights[face];
-        let half = 0.5 * scale * energy.bend(slope.weights[face]);
-        let mut edges = element_stiffness(hats, scale);
+        let (area, weight) = (gradient.face_areas()[face], slope.weights[face]);
+        let half = 0.5 * area * energy.bend(weight);
+        let mut edges = element_stiffness(hats, area);
         for (edge, (p, q)) in edges.iter_mut().zip([(1, 2), (2, 0), (0, 1)]) {
             *edge -= half * (z[p] * g[q] + g[p] * z[q]);
         }
-        edges
+        let scale = energy.tau * weight;
+        edges.map(|edge| scale * edge)
     }
 }
 

@@ -9,6 +9,9 @@ use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
 use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
 
+/// Gradients from here on are refused: their squares, added up, have to be numbers.
+const STEEPEST: f64 = 1e145;
+
 /// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
 #[derive(Debug, Clone)]
 pub struct Discretization {
@@ -18,6 +21,8 @@ pub struct Discretization {
     edges: OnceLock<EdgeLaplacian>,
     masses: Vec<f64>,
     area: f64,
+    /// The largest component of a ∇λ, 1/length.
+    steepest_hat: f64,
 }
 
 impl Discretization {
@@ -30,7 +35,11 @@ impl Discretization {
         let gradient = Gradient::new(mesh);
         stage.check()?;
         let pattern = LaplacianPattern::new(&gradient, stage)?;
+        let hats = gradient.hats().as_flattened().as_flattened();
+        let steepest_hat = hats.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        stage.check()?;
         Ok(Self {
+            steepest_hat,
             edges: OnceLock::new(),
             gradient,
             pattern,
@@ -80,10 +89,25 @@ impl Discretization {
         self.area
     }
 
+    /// Refuses functions of values up to `largest` whose gradients could not be squared.
+    ///
+    /// # Errors
+    /// [`Error::Argument`].
+    pub fn check_gradients(&self, largest: f64) -> Result<()> {
+        match largest * self.steepest_hat < STEEPEST {
+            true => Ok(()),
+            false => Err(Error::Argument(format!(
+                "values of {largest:.0e} on faces {:.0e} high have gradients beyond {STEEPEST:.0e}",
+                self.steepest_hat.recip()
+            ))),
+        }
+    }
+
     /// Refuses `values` that are not a finite function on this mesh, (C, V) with C ≥ 1.
     ///
     /// # Errors
-    /// Names the shape, or the first vertex and channel whose value is not finite.
+    /// Names the shape, or the first vertex and channel whose value is not finite; as
+    /// [`Self::check_gradients`].
     pub fn check_values(&self, values: ArrayView2<f64>) -> Result<()> {
         let (channels, vertices) = values.dim();
         if channels == 0 || vertices != self.masses.len() {
@@ -99,7 +123,10 @@ impl Discretization {
                 channel,
                 value,
             }),
-            None => Ok(()),
+            None => {
+                let largest = values.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+                self.check_gradients(largest)
+            }
         }
     }
 }
