@@ -161,3 +161,19 @@ def test_steps_of_any_length(length):
         means = np.average(flow.states[-1], axis=0, weights=mesh.vertex_areas)
         assert np.abs(means - mean).max() < 1e-5 * np.ptp(vertices)
         assert flow.total_variation[-1] <= flow.total_variation[0]
+
+
+@pytest.mark.parametrize("operator", ["tv", "heat"])
+@pytest.mark.parametrize("radius", [1e-2, 1e-4, 1e-6])
+def test_small_parts_stay_where_they_are(operator, radius):
+    ball, faces = icosphere(2)
+    vertices = np.vstack([ball, 0.7 * ball + [3, 0, 0], radius * ball + [0, 3, 0]])
+    mesh = spectral_tv.Mesh(vertices, np.vstack([faces + k * len(ball) for k in range(3)]))
+    dust = slice(2 * len(ball), None)
+    times = np.array([0, 1e-6, 1e-3, 1.0, 50.0])
+    for solver in ("multigrid", "cholesky"):
+        flow = spectral_tv.flow(mesh, vertices, times, operator, scheme="lagged", solver=solver)
+        for state in flow.states:
+            centre = np.average(state[dust], axis=0, weights=mesh.vertex_areas[dust])
+            np.testing.assert_allclose(centre, [0, 3, 0], atol=1e-6 * radius)
+            assert np.abs(state[dust] - [0, 3, 0]).max() <= radius * (1 + 1e-6)

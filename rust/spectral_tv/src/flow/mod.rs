@@ -11,6 +11,7 @@ mod increment;
 mod laplace_beltrami;
 mod law;
 mod line;
+mod means;
 mod prediction;
 mod proximal;
 mod proximal_newton;

@@ -7,6 +7,7 @@ use crate::flow::force::{Force, variation};
 use crate::flow::increment::Precision;
 use crate::flow::law::Law;
 use crate::flow::line::Line;
+use crate::flow::means::Means;
 use crate::flow::prediction::{predicted_gradients, predicted_increment, predicted_masses};
 use crate::flow::recorder::{Recorder, Solution};
 use crate::flow::time_step::{History, TimeStep};
@@ -26,6 +27,9 @@ pub enum Weights {
     Extrapolated,
 }
 
+/// Shift of a component, relative to its largest increment, beyond which single precision has
+/// left too few digits of the rest.
+const LARGEST_SHIFT: f64 = 100.0;
 /// Growth of TV in a step that is put down to rounding.
 const ROUNDING: f64 = 1e-12;
 /// Error of a step's increment that an iterative solver leaves, relative to the increment, in
@@ -81,6 +85,7 @@ struct Measured {
 struct StepSolver<'a> {
     operators: &'a Discretization,
     law: &'a dyn Law,
+    means: Means,
     solver: LinearSolver,
     tolerance: f64,
     stage: Stage<'a>,
@@ -102,6 +107,7 @@ impl<'a> StepSolver<'a> {
         Ok(Self {
             tolerance: if magnifies { FINE_TOLERANCE } else { TOLERANCE },
             now: measured(operators, law, initial),
+            means: Means::new(operators),
             operators,
             law,
             solver: LinearSolver::new(operators.pattern().zeros(), solver, stage)?,
@@ -214,12 +220,32 @@ impl<'a> StepSolver<'a> {
             .set_matrix(masses, &force.couplings, step.tau, self.stage)?;
         let residual = force.residual(step, masses, history.state);
         self.stage.check()?;
-        let mut state = self
-            .solver
-            .solve(residual, guess.as_ref(), self.tolerance, self.stage)?;
+        let mut state = self.increment(residual, step, masses, history.state, guess)?;
         let add = |value: &mut f64, start: &f64| *value += start;
         Zip::from(&mut state).and(&history.state).par_for_each(add);
         Ok(state)
+    }
+
+    /// The solution for the `residual` at `start`, with the matrix at hand.
+    fn increment(
+        &mut self,
+        residual: Array2<f64>,
+        step: &TimeStep,
+        masses: &[f64],
+        start: ArrayView2<f64>,
+        guess: Option<Array2<f64>>,
+    ) -> Result<Array2<f64>> {
+        let again = (!self.solver.is_exact()).then(|| residual.clone());
+        let (guess, tolerance) = (guess.as_ref(), self.tolerance);
+        let mut increment = self.solver.solve(residual, guess, tolerance, self.stage)?;
+        let shift = self.means.restore(&mut increment, step, masses, start);
+        if let Some(residual) = again
+            && (shift.is_nan() || shift > LARGEST_SHIFT)
+        {
+            increment = self.solver.solve_exactly(residual)?;
+            self.means.restore(&mut increment, step, masses, start);
+        }
+        Ok(increment)
     }
 
     /// One descent step on the energy of the time step, preconditioned by the matrix at hand,
@@ -230,9 +256,7 @@ impl<'a> StepSolver<'a> {
         self.stage.check()?;
         let force = self.force(&norms, state.view())?;
         let descent = force.residual(step, masses, state.view());
-        let direction = self
-            .solver
-            .solve(descent.clone(), None, self.tolerance, self.stage)?;
+        let direction = self.increment(descent.clone(), step, masses, state.view(), None)?;
         let products = descent.iter().zip(&direction).map(|(a, b)| a * b);
         let start = -products.sum::<f64>();
         drop(descent);

@@ -23,8 +23,6 @@ const LARGE_FILL: f64 = 45.0;
 
 /// Entries that are worth handing to another thread.
 const CHUNK: usize = 1 << 14;
-/// Error of a mean, relative to the solution, beyond which single precision does not do.
-const MEAN_ERROR: f64 = 1e-5;
 
 /// How linear systems are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -119,14 +117,13 @@ impl LinearSolver {
 
     /// Solves K x = b for every row b of `right_hand_sides` (C, V). An iteration starts from
     /// `guess`, if given, and ends once its error is `tolerance` times x in the energy norm; a
-    /// factorization needs neither, and also takes over where an iteration does not converge, or
-    /// in steps so long that its precision is not enough.
+    /// factorization needs neither, and also takes over where an iteration does not converge.
     ///
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
     pub fn solve(
         &mut self,
-        mut right_hand_sides: Array2<f64>,
+        right_hand_sides: Array2<f64>,
         guess: Option<&Array2<f64>>,
         tolerance: f64,
         stage: Stage,
@@ -136,12 +133,20 @@ impl LinearSolver {
         {
             let guess = guess.map(|guess| guess.view());
             match multigrid.solve(right_hand_sides.view(), guess, tolerance, stage) {
-                Ok(solutions) if !keeps_means(&self.masses, &right_hand_sides, &solutions) => {
-                    self.factorize()?;
-                }
-                Err(Error::Solver(_)) => self.factorize()?,
+                Err(Error::Solver(_)) => {}
                 outcome => return outcome,
             }
+        }
+        self.solve_exactly(right_hand_sides)
+    }
+
+    /// [`Self::solve`] by factorization, whatever the solver.
+    ///
+    /// # Errors
+    /// [`Error::Solver`] if the matrix is not positive definite.
+    pub fn solve_exactly(&mut self, mut right_hand_sides: Array2<f64>) -> Result<Array2<f64>> {
+        if !self.is_exact() {
+            self.factorize()?;
         }
         if let Some(cholesky) = &mut self.cholesky {
             cholesky.solve_in_place(&mut right_hand_sides);
@@ -170,23 +175,6 @@ impl LinearSolver {
         self.cholesky = Some(cholesky);
         outcome
     }
-}
-
-/// Whether rounding the right-hand sides b (C, V) to single precision leaves the means of the
-/// solutions x what they are: Σ b = Σ m x, and where the step is long, b is far larger than m x.
-fn keeps_means(masses: &[f64], right_hand_sides: &Array2<f64>, solutions: &Array2<f64>) -> bool {
-    let mass = masses.iter().sum::<f64>();
-    let rows = right_hand_sides.rows().into_iter().zip(solutions.rows());
-    let mut pairs = rows.filter_map(|(b, x)| b.to_slice().zip(x.to_slice()));
-    pairs.all(|(b, x)| {
-        let squares = b
-            .par_chunks(CHUNK)
-            .map(|b| b.iter().map(|b| b * b).sum::<f64>());
-        let norm = squares.collect::<Vec<f64>>().iter().sum::<f64>().sqrt();
-        let largest = x.par_iter().with_min_len(CHUNK).map(|x| x.abs());
-        let largest = largest.reduce(|| 0.0, f64::max);
-        0.5 * f64::from(f32::EPSILON) * norm <= MEAN_ERROR * mass * largest
-    })
 }
 
 /// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
