@@ -88,7 +88,7 @@ pub fn deform(
     check_memory(mesh)?;
     let targets = constraints.targets(targets)?;
     let operators = Discretization::new(mesh, stage)?;
-    operators.check_gradients(2.0 * targets.radius)?;
+    operators.check_gradients(targets.spread())?;
     let problem = Problem {
         operators: &operators,
         targets: &targets,

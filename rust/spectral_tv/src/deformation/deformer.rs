@@ -55,7 +55,7 @@ struct Handles {
 impl Handles {
     fn targets(&self, positions: &[[f64; 3]]) -> Result<Targets> {
         let targets = self.constraints.targets(positions)?;
-        self.operators.check_gradients(2.0 * targets.radius)?;
+        self.operators.check_gradients(targets.spread())?;
         Ok(targets)
     }
 

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::flow::recorder::check_steps;
 use crate::flow::trajectory::Trajectory;
 use crate::memory::{self, needs};
-use crate::mesh::{TriangleMesh, connected_components};
+use crate::mesh::{TriangleMesh, component_count, connected_components};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness};
 use crate::solver::{Cholesky, Operator, largest_eigenpairs};
@@ -59,6 +59,7 @@ impl Eigenpairs {
         let (values, vectors) = largest_eigenpairs(&mut inverse, others, stage)?;
         let mut eigenfunctions = Array2::zeros((constants + others, inverse.size()));
         for (vertex, &component) in inverse.components.iter().enumerate() {
+            let component = component as usize;
             if component < constants {
                 let mass = inverse.component_masses[component];
                 eigenfunctions[[component, vertex]] = 1.0 / mass.sqrt();
@@ -146,7 +147,7 @@ struct Inverse {
     roots: Array1<f64>,
     shift: f64,
     /// The component of every vertex, from 0, and the area of each.
-    components: Vec<usize>,
+    components: Vec<u32>,
     component_masses: Vec<f64>,
 }
 
@@ -164,18 +165,10 @@ impl Inverse {
         pattern.assemble(gradient, &diagonal, stiffness, &mut system);
         factor.factorize(&system)?;
         stage.check()?;
-        let labels = connected_components(mesh);
-        let mut names = vec![usize::MAX; labels.len()];
-        let mut component_masses = Vec::new();
-        let mut components = Vec::with_capacity(labels.len());
-        for (&label, mass) in labels.iter().zip(masses) {
-            let name = &mut names[label as usize];
-            if *name == usize::MAX {
-                *name = component_masses.len();
-                component_masses.push(0.0);
-            }
-            component_masses[*name] += mass;
-            components.push(*name);
+        let components = connected_components(mesh);
+        let mut component_masses = vec![0.0; component_count(&components)];
+        for (&component, mass) in components.iter().zip(masses) {
+            component_masses[component as usize] += mass;
         }
         Ok(Self {
             factor,
@@ -200,11 +193,12 @@ impl Operator for Inverse {
         for mut row in block.axis_iter_mut(Axis(0)) {
             let mut means = vec![0.0; self.component_masses.len()];
             for ((value, root), &component) in row.iter().zip(&self.roots).zip(&self.components) {
-                means[component] += root * value / self.component_masses[component];
+                means[component as usize] +=
+                    root * value / self.component_masses[component as usize];
             }
             for ((value, root), &component) in row.iter_mut().zip(&self.roots).zip(&self.components)
             {
-                *value -= root * means[component];
+                *value -= root * means[component as usize];
             }
         }
     }

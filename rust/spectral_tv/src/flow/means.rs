@@ -8,7 +8,7 @@ use ndarray::parallel::prelude::*;
 use ndarray::{Array2, ArrayView2, Axis};
 
 use crate::flow::time_step::TimeStep;
-use crate::mesh::components_of;
+use crate::mesh::{component_count, components_of};
 use crate::operators::Discretization;
 
 /// The components of a mesh.
@@ -22,25 +22,11 @@ impl Means {
     /// The components of the mesh of these operators.
     pub fn new(operators: &Discretization) -> Self {
         let gradient = operators.gradient();
-        let areas = gradient.face_areas();
-        let faces = gradient.triangles().iter().zip(areas);
-        let faces = faces
-            .filter(|(_, area)| **area > 0.0)
-            .map(|(face, _)| *face);
-        let mut labels = components_of(operators.masses().len(), faces);
-        let mut numbers = vec![u32::MAX; labels.len()];
-        let mut count = 0;
-        for label in &mut labels {
-            let number = &mut numbers[*label as usize];
-            if *number == u32::MAX {
-                *number = count;
-                count += 1;
-            }
-            *label = *number;
-        }
+        let vertices = operators.masses().len();
+        let labels = components_of(vertices, gradient.triangles(), gradient.face_areas());
         Self {
+            count: component_count(&labels),
             labels,
-            count: count as usize,
         }
     }
 

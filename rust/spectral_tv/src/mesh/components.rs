@@ -4,23 +4,40 @@ use petgraph::unionfind::UnionFind;
 
 use crate::mesh::TriangleMesh;
 
-/// A label for every vertex that is the same within a connected component. A triangle without
-/// area connects nothing; a vertex in no other is a component of its own.
+/// The number of every vertex's connected component, in the order of their first vertices. A
+/// triangle without area connects nothing; a vertex in no other is a component of its own.
 pub(crate) fn connected_components(mesh: &TriangleMesh) -> Vec<u32> {
-    let triangles = mesh.triangles().iter().zip(mesh.face_areas());
-    let triangles = triangles.filter(|(_, area)| **area > 0.0);
-    components_of(mesh.vertex_count(), triangles.map(|(corners, _)| *corners))
+    components_of(mesh.vertex_count(), mesh.triangles(), mesh.face_areas())
 }
 
-/// The same for the vertices that `triangles` connect.
+/// The same for the vertices that `triangles` of these `areas` connect.
 pub(crate) fn components_of(
     vertex_count: usize,
-    triangles: impl Iterator<Item = [u32; 3]>,
+    triangles: &[[u32; 3]],
+    areas: &[f64],
 ) -> Vec<u32> {
     let mut components = UnionFind::new(vertex_count);
-    for [i, j, k] in triangles {
-        components.union(i, j);
-        components.union(j, k);
+    for (&[i, j, k], &area) in triangles.iter().zip(areas) {
+        if area > 0.0 {
+            components.union(i, j);
+            components.union(j, k);
+        }
     }
-    components.into_labeling()
+    let mut labels = components.into_labeling();
+    let mut numbers = vec![u32::MAX; vertex_count];
+    let mut count = 0;
+    for label in &mut labels {
+        let number = &mut numbers[*label as usize];
+        if *number == u32::MAX {
+            *number = count;
+            count += 1;
+        }
+        *label = *number;
+    }
+    labels
+}
+
+/// How many components these are.
+pub(crate) fn component_count(components: &[u32]) -> usize {
+    components.iter().max().map_or(0, |&last| last as usize + 1)
 }

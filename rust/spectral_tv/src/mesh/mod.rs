@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use crate::error::{Error, Result, has_usable_size};
-pub(crate) use components::{components_of, connected_components};
+pub(crate) use components::{component_count, components_of, connected_components};
 use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
 use rayon::prelude::*;
 
