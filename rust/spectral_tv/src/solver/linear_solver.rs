@@ -52,6 +52,7 @@ pub struct LinearSolver {
     /// The lower triangle, its diagonal not written before a factorization needs it.
     lower: CsMatI<f64, u32>,
     masses: Vec<f64>,
+    incidence: Option<Incidence>,
     multigrid: Option<Multigrid>,
     cholesky: Option<Cholesky>,
     /// Whether `cholesky` holds the factor of `lower`.
@@ -75,11 +76,12 @@ impl LinearSolver {
         };
         stage.check()?;
         let (multigrid, cholesky) = match analysis {
-            Some(analysis) => (None, Some(analysis.prepare()?)),
+            Some(analysis) => (None, Some(analysis.prepare(&lower)?)),
             None => (Some(Multigrid::analyse(&lower, stage)?), None),
         };
         Ok(Self {
             masses: vec![0.0; lower.cols()],
+            incidence: None,
             lower,
             multigrid,
             cholesky,
@@ -165,7 +167,11 @@ impl LinearSolver {
     }
 
     fn factorize(&mut self) -> Result<()> {
-        complete_diagonal(&mut self.lower, &self.masses);
+        let incidence = match &mut self.incidence {
+            Some(incidence) => incidence,
+            incidence => incidence.insert(Incidence::new(&self.lower)),
+        };
+        incidence.complete_diagonal(&mut self.lower, &self.masses);
         let mut cholesky = match self.cholesky.take() {
             Some(cholesky) => cholesky,
             None => Cholesky::analyse(&self.lower)?,
@@ -177,18 +183,71 @@ impl LinearSolver {
     }
 }
 
-/// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
-fn complete_diagonal(lower: &mut CsMatI<f64, u32>, masses: &[f64]) {
-    let mut diagonal = masses.to_vec();
-    for (column, entries) in lower.outer_iterator().enumerate() {
-        for (row, value) in entries.iter().filter(|(row, _)| *row != column) {
-            diagonal[row] -= value;
-            diagonal[column] -= value;
+/// The off-diagonal entries of each row of a matrix, by their places in its lower triangle.
+struct Incidence {
+    starts: Vec<u32>,
+    entries: Vec<u32>,
+    diagonal: Vec<u32>,
+}
+
+impl Incidence {
+    fn new(lower: &CsMatI<f64, u32>) -> Self {
+        let columns = lower.proper_indptr();
+        let each = |work: &mut dyn FnMut(usize, usize, u32)| {
+            for column in 0..lower.cols() {
+                for entry in columns[column]..columns[column + 1] {
+                    work(lower.indices()[entry as usize] as usize, column, entry);
+                }
+            }
+        };
+        let mut diagonal = vec![u32::MAX; lower.cols()];
+        let mut starts = vec![0_u32; lower.cols() + 1];
+        each(&mut |row, column, entry| {
+            if row == column {
+                diagonal[row] = entry;
+            } else {
+                starts[row + 1] += 1;
+                starts[column + 1] += 1;
+            }
+        });
+        for row in 0..lower.cols() {
+            starts[row + 1] += starts[row];
+        }
+        let mut next = starts.clone();
+        let mut entries = vec![0; starts[lower.cols()] as usize];
+        each(&mut |row, column, entry| {
+            if row != column {
+                for end in [row, column] {
+                    entries[next[end] as usize] = entry;
+                    next[end] += 1;
+                }
+            }
+        });
+        Self {
+            starts,
+            entries,
+            diagonal,
         }
     }
-    for (column, mut entries) in lower.outer_iterator_mut().enumerate() {
-        if let Some(entry) = entries.get_mut(column) {
-            *entry = diagonal[column];
+
+    /// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
+    fn complete_diagonal(&self, lower: &mut CsMatI<f64, u32>, masses: &[f64]) {
+        let values = lower.data_mut();
+        let rows = masses.par_iter().zip(self.starts.par_windows(2));
+        let diagonal: Vec<f64> = rows
+            .with_min_len(CHUNK / 8)
+            .map(|(mass, ends)| {
+                let entries = &self.entries[ends[0] as usize..ends[1] as usize];
+                mass - entries
+                    .iter()
+                    .map(|&entry| values[entry as usize])
+                    .sum::<f64>()
+            })
+            .collect();
+        for (&entry, value) in self.diagonal.iter().zip(diagonal) {
+            if let Some(entry) = values.get_mut(entry as usize) {
+                *entry = value;
+            }
         }
     }
 }

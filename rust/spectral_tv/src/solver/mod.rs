@@ -6,6 +6,8 @@
 mod block_lanczos;
 mod cholesky;
 mod conjugate_gradients;
+#[cfg(test)]
+mod examples;
 mod linear_solver;
 mod multigrid;
 

@@ -1,0 +1,141 @@
+//! What the factorization promises.
+
+use ndarray::{Array2, arr2};
+use proptest::prelude::*;
+use sprs::{CsMatI, TriMatI};
+
+use crate::solver::Cholesky;
+use crate::solver::cholesky::Analysis;
+use crate::solver::examples::{irregular, lattice, random, system_of};
+
+fn functions(channels: usize, size: usize) -> Array2<f64> {
+    let noise = random::<1>(channels * size, 3);
+    Array2::from_shape_fn((channels, size), |(c, v)| f64::from(noise[c * size + v][0]))
+}
+
+/// K x for every row x.
+fn product(lower: &CsMatI<f64, u32>, x: &Array2<f64>) -> Array2<f64> {
+    let mut product = Array2::zeros(x.dim());
+    for channel in 0..x.nrows() {
+        for (value, (row, column)) in lower.iter() {
+            let (row, column) = (row as usize, column as usize);
+            product[[channel, row]] += value * x[[channel, column]];
+            if row != column {
+                product[[channel, column]] += value * x[[channel, row]];
+            }
+        }
+    }
+    product
+}
+
+/// The largest error of solutions, relative to the largest of what is to be found.
+fn error(cholesky: &mut Cholesky, lower: &CsMatI<f64, u32>, channels: usize) -> f64 {
+    let expected = functions(channels, lower.cols());
+    let mut solutions = product(lower, &expected);
+    cholesky.factorize(lower).unwrap();
+    cholesky.solve_in_place(&mut solutions);
+    let error = (&solutions - &expected)
+        .iter()
+        .fold(0.0_f64, |max, e| max.max(e.abs()));
+    error / expected.iter().fold(0.0_f64, |max, e| max.max(e.abs()))
+}
+
+#[test]
+fn solutions_have_the_right_images() {
+    for (lower, _) in [lattice(90, 70, 0.1), irregular(4000), lattice(1, 1, 1.0)] {
+        for least_work in [1.0, 1e4, 1e12] {
+            let analysis = Analysis::new(&lower).unwrap();
+            let mut cholesky = analysis.prepare_in_units(&lower, least_work).unwrap();
+            // More than are solved at once.
+            for channels in [1, 3, 5] {
+                assert!(error(&mut cholesky, &lower, channels) < 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_factor_serves_all_matrices_of_its_pattern() {
+    let (first, _) = lattice(40, 30, 1.0);
+    let mut cholesky = Cholesky::analyse(&first).unwrap();
+    assert!(error(&mut cholesky, &first, 2) < 1e-12);
+    let (second, _) = lattice(40, 30, 1e-3);
+    assert!(error(&mut cholesky, &second, 2) < 1e-9);
+    assert!(error(&mut cholesky, &first, 2) < 1e-12);
+}
+
+#[test]
+fn threads_make_no_difference() {
+    let (lower, masses) = lattice(150, 140, 1e-3);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap().install(|| {
+            let mut cholesky = Cholesky::analyse(&lower).unwrap();
+            assert!(cholesky.units.len() > 4);
+            cholesky.factorize(&lower).unwrap();
+            let mut solutions = functions(3, masses.len());
+            cholesky.solve_in_place(&mut solutions);
+            solutions
+        })
+    };
+    assert_eq!(with(1), with(4));
+}
+
+#[test]
+fn many_parts_that_are_not_coupled_are_one_system() {
+    // Chains of 1 to 40 vertices, their vertices far apart in the order.
+    let size = 820;
+    let mut edges = Vec::new();
+    let mut start = 0;
+    let place = |vertex: usize| (vertex * 37) % size;
+    for length in 1..=40 {
+        for vertex in start..start + length - 1 {
+            edges.push((place(vertex), place(vertex + 1), 1.0));
+        }
+        start += length;
+    }
+    let (lower, _) = system_of(size, &edges, vec![0.1; size]);
+    for least_work in [1.0, 1e9] {
+        let analysis = Analysis::new(&lower).unwrap();
+        let mut cholesky = analysis.prepare_in_units(&lower, least_work).unwrap();
+        assert!(error(&mut cholesky, &lower, 3) < 1e-12);
+    }
+}
+
+#[test]
+fn a_singular_matrix_is_mended_and_an_indefinite_one_refused() {
+    let lower = |off_diagonal: f64| {
+        let mut matrix = TriMatI::new((2, 2));
+        matrix.add_triplet(0, 0, 1.0);
+        matrix.add_triplet(1, 0, off_diagonal);
+        matrix.add_triplet(1, 1, 1.0);
+        matrix.to_csc::<u32>()
+    };
+    let mut cholesky = Cholesky::analyse(&lower(-1.0)).unwrap();
+    cholesky.factorize(&lower(-1.0)).unwrap();
+    let mut solution = arr2(&[[1.0, -1.0]]);
+    cholesky.solve_in_place(&mut solution);
+    assert!((solution[[0, 0]] - solution[[0, 1]] - 1.0).abs() < 1e-6);
+
+    assert!(cholesky.factorize(&lower(-2.0)).is_err());
+    assert!(cholesky.factorize(&lower(f64::NAN)).is_err());
+}
+
+proptest! {
+    #[test]
+    fn any_pattern_is_solved(
+        size in 1_usize..60,
+        ends in proptest::collection::vec((0_usize..60, 0_usize..60, 0.01..10.0), 0..150),
+        least_work in prop_oneof![Just(1.0), Just(300.0), Just(1e9)],
+    ) {
+        let edges: Vec<_> = ends
+            .into_iter()
+            .map(|(i, j, coupling)| (i % size, j % size, coupling))
+            .filter(|(i, j, _)| i != j)
+            .collect();
+        let (lower, _) = system_of(size, &edges, vec![0.5; size]);
+        let analysis = Analysis::new(&lower).unwrap();
+        let mut cholesky = analysis.prepare_in_units(&lower, least_work).unwrap();
+        prop_assert!(error(&mut cholesky, &lower, 2) < 1e-11);
+    }
+}
