@@ -15,7 +15,7 @@ use crate::flow::trajectory::Trajectory;
 use crate::minimization::least_along;
 use crate::monitor::Stage;
 use crate::operators::Discretization;
-use crate::solver::{LinearSolver, Solver};
+use crate::solver::{Demand, LinearSolver, Solver};
 
 /// Where a semi-implicit step takes its weights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +58,7 @@ pub fn semi_implicit_flow(
         stage.check()?;
         let mut record = Recorder::new(operators, initial, times)?;
         stage.check()?;
-        let mut steps = StepSolver::new(operators, law, record.state(), solver, stage)?;
+        let mut steps = StepSolver::new(operators, law, weights, record.state(), solver, stage)?;
         for k in 0..times.len() - 1 {
             stage.report(k as f64 / (times.len() - 1) as f64)?;
             let (solution, next) = steps.step(&record, weights, times, k)?;
@@ -98,11 +98,19 @@ impl<'a> StepSolver<'a> {
     fn new(
         operators: &'a Discretization,
         law: &'a dyn Law,
+        weights: Weights,
         initial: ArrayView2<f64>,
         solver: Solver,
         stage: Stage<'a>,
     ) -> Result<Self> {
         operators.prepare_edges(stage)?;
+        let demand = Demand {
+            solutions: match weights {
+                Weights::Extrapolated if !law.is_linear() => 2,
+                _ => 1,
+            },
+            channels: initial.nrows(),
+        };
         let magnifies = law.moves_masses() || initial.nrows() == 1;
         Ok(Self {
             tolerance: if magnifies { FINE_TOLERANCE } else { TOLERANCE },
@@ -110,7 +118,7 @@ impl<'a> StepSolver<'a> {
             means: Means::new(operators),
             operators,
             law,
-            solver: LinearSolver::new(operators.pattern().zeros(), solver, stage)?,
+            solver: LinearSolver::new(operators.pattern().zeros(), solver, demand, stage)?,
             stage,
             before: None,
         })

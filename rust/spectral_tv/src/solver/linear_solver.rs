@@ -12,14 +12,17 @@ use crate::solver::{Cholesky, Multigrid};
 /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
 /// exact.
 const SMALL: usize = 10_000;
-/// Number of unknowns from which a factorization cannot be interrupted for more than a tenth of a
-/// second, and takes longer than multigrid on all shapes but those of thin limbs.
+/// Number of unknowns from which a factorization takes half as much memory again as multigrid,
+/// and up to a tenth of a second that nothing interrupts.
 const LARGE: usize = 100_000;
-/// Entries in a row of the factor from which multigrid is faster between these: a shape of thin
-/// limbs falls apart in small parts and has 36 at 50 000 vertices (four fifths of multigrid's
-/// time in lagged steps, half in extrapolated ones), a compact one 50 at 36 000 (twice its time,
-/// and 1.3 times).
-const LARGE_FILL: f64 = 45.0;
+/// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
+/// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
+/// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
+/// same, and an even lattice 67 at 17 000, where multigrid takes two thirds.
+const LARGE_FILL: f64 = 50.0;
+/// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
+/// much as the first, and where they are of single functions, which do not fill its registers.
+const MORE_FILL: f64 = 12.0;
 
 /// Entries that are worth handing to another thread.
 const CHUNK: usize = 1 << 14;
@@ -47,6 +50,25 @@ impl Solver {
     }
 }
 
+/// What a matrix is taken for.
+#[derive(Debug, Clone, Copy)]
+pub struct Demand {
+    /// Solutions with each matrix.
+    pub solutions: usize,
+    /// Functions solved for at once.
+    pub channels: usize,
+}
+
+impl Demand {
+    fn largest_fill(self) -> f64 {
+        match (self.solutions, self.channels) {
+            (..=1, _) => LARGE_FILL,
+            (_, 1) => LARGE_FILL + 2.0 * MORE_FILL,
+            _ => LARGE_FILL + MORE_FILL,
+        }
+    }
+}
+
 /// Solves systems with symmetric positive definite matrices of one pattern.
 pub struct LinearSolver {
     /// The lower triangle, its diagonal not written before a factorization needs it.
@@ -64,10 +86,16 @@ impl LinearSolver {
     ///
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if memory does not suffice.
-    pub fn new(lower: CsMatI<f64, u32>, solver: Solver, stage: Stage) -> Result<Self> {
+    pub fn new(
+        lower: CsMatI<f64, u32>,
+        solver: Solver,
+        demand: Demand,
+        stage: Stage,
+    ) -> Result<Self> {
         stage.check()?;
         let size = lower.cols();
-        let is_direct = |analysis: &Analysis| size <= SMALL || analysis.fill() < LARGE_FILL;
+        let largest_fill = demand.largest_fill();
+        let is_direct = |analysis: &Analysis| size <= SMALL || analysis.fill() < largest_fill;
         let analysis = match solver {
             Solver::Multigrid => None,
             Solver::Auto if size >= LARGE => None,

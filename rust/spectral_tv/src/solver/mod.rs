@@ -14,5 +14,5 @@ mod multigrid;
 pub use block_lanczos::{Operator, largest_eigenpairs};
 pub use cholesky::Cholesky;
 pub use conjugate_gradients::conjugate_gradients;
-pub use linear_solver::{LinearSolver, Solver};
+pub use linear_solver::{Demand, LinearSolver, Solver};
 pub use multigrid::Multigrid;

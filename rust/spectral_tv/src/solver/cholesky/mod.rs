@@ -27,7 +27,7 @@ const WHAT: &str = "the factor of the mesh's matrix";
 const ADVICE: &str = "take a smaller mesh, or the solver \"multigrid\" for a flow";
 
 /// Multiplications that are worth handing to another thread.
-const LEAST_WORK: f64 = 5e5;
+const LEAST_WORK: f64 = 1.5e5;
 
 /// Relative enlargements of the diagonal to try in turn.
 const ENLARGEMENTS: [f64; 3] = [1e-12, 1e-9, 1e-6];

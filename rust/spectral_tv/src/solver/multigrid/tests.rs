@@ -6,7 +6,7 @@ use sprs::CsMatI;
 use crate::error::Error;
 use crate::monitor::Monitor;
 use crate::solver::multigrid::examples::{irregular, lattice, random, system_of};
-use crate::solver::{Cholesky, LinearSolver, Multigrid, Solver};
+use crate::solver::{Cholesky, Demand, LinearSolver, Multigrid, Solver};
 
 fn functions(channels: usize, size: usize) -> Array2<f64> {
     let noise = random::<4>(channels * size, 9);
@@ -110,7 +110,12 @@ fn what_does_not_converge_is_factorized() {
         .collect();
     let (lower, masses) = system_of(400, &edges, masses);
     let monitor = Monitor::new();
-    let mut solver = LinearSolver::new(lower.clone(), Solver::Multigrid, monitor.whole()).unwrap();
+    let demand = Demand {
+        solutions: 1,
+        channels: 1,
+    };
+    let mut solver =
+        LinearSolver::new(lower.clone(), Solver::Multigrid, demand, monitor.whole()).unwrap();
     let couplings: Vec<f64> = lower.data().iter().map(|value| -value).collect();
     solver
         .set_matrix(&masses, &couplings, 1.0, monitor.whole())
