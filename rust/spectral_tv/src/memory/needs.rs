@@ -7,10 +7,10 @@ use crate::memory::NUMBER;
 use crate::mesh::TriangleMesh;
 
 /// Bytes per vertex of a flow beside its states, where systems are factorized or iterated on.
-const FACTORIZED: u64 = 1650;
+const FACTORIZED: u64 = 2650;
 const ITERATED: u64 = 1450;
 /// The same of eigenpairs beside their functions.
-const LANCZOS: u64 = 2400;
+const LANCZOS: u64 = 3400;
 /// The same of the pair of surfaces that a flow on a base holds.
 const BASE: u64 = 900;
 
