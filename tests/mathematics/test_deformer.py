@@ -150,7 +150,7 @@ def test_a_single_handle_on_coincident_vertices_ends_at_rest():
     for share in (0.5, 1.0, 0.0):
         result = deformer.solve(targets(share))
         assert result.total_variation < 1e-6 and result.gap <= 1e-3
-        # Between coincident vertices a tear costs nothing, so that the others are nearly there.
+        # Between coincident vertices a tear costs nothing: they end within a thousandth of the way.
         followers = [1, 2, 3, 5, 14, 15]
         moved = vertices[followers] + targets(share)[1] - vertices[0]
-        np.testing.assert_allclose(result.vertices[followers], moved, atol=0.1)
+        np.testing.assert_allclose(result.vertices[followers], moved, atol=0.02)

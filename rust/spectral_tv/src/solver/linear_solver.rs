@@ -7,6 +7,7 @@ use sprs::CsMatI;
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
 use crate::solver::cholesky::Analysis;
+use crate::solver::graph::Graph;
 use crate::solver::{Cholesky, Multigrid};
 
 /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
@@ -74,7 +75,7 @@ pub struct LinearSolver {
     /// The lower triangle, its diagonal not written before a factorization needs it.
     lower: CsMatI<f64, u32>,
     masses: Vec<f64>,
-    incidence: Option<Incidence>,
+    rows: Option<Rows>,
     multigrid: Option<Multigrid>,
     cholesky: Option<Cholesky>,
     /// Whether `cholesky` holds the factor of `lower`.
@@ -109,7 +110,7 @@ impl LinearSolver {
         };
         Ok(Self {
             masses: vec![0.0; lower.cols()],
-            incidence: None,
+            rows: None,
             lower,
             multigrid,
             cholesky,
@@ -195,11 +196,8 @@ impl LinearSolver {
     }
 
     fn factorize(&mut self) -> Result<()> {
-        let incidence = match &mut self.incidence {
-            Some(incidence) => incidence,
-            incidence => incidence.insert(Incidence::new(&self.lower)),
-        };
-        incidence.complete_diagonal(&mut self.lower, &self.masses);
+        let rows = self.rows.get_or_insert_with(|| Rows::new(&self.lower));
+        rows.complete_diagonal(&mut self.lower, &self.masses);
         let mut cholesky = match self.cholesky.take() {
             Some(cholesky) => cholesky,
             None => Cholesky::analyse(&self.lower)?,
@@ -211,70 +209,35 @@ impl LinearSolver {
     }
 }
 
-/// The off-diagonal entries of each row of a matrix, by their places in its lower triangle.
-struct Incidence {
-    starts: Vec<u32>,
-    entries: Vec<u32>,
-    diagonal: Vec<u32>,
+/// The couplings and the diagonal of each row of a matrix, in its lower triangle.
+struct Rows {
+    graph: Graph,
+    diagonal: Vec<Option<usize>>,
 }
 
-impl Incidence {
+impl Rows {
     fn new(lower: &CsMatI<f64, u32>) -> Self {
-        let columns = lower.proper_indptr();
-        let each = |work: &mut dyn FnMut(usize, usize, u32)| {
-            for column in 0..lower.cols() {
-                for entry in columns[column]..columns[column + 1] {
-                    work(lower.indices()[entry as usize] as usize, column, entry);
-                }
-            }
-        };
-        let mut diagonal = vec![u32::MAX; lower.cols()];
-        let mut starts = vec![0_u32; lower.cols() + 1];
-        each(&mut |row, column, entry| {
-            if row == column {
-                diagonal[row] = entry;
-            } else {
-                starts[row + 1] += 1;
-                starts[column + 1] += 1;
-            }
-        });
-        for row in 0..lower.cols() {
-            starts[row + 1] += starts[row];
-        }
-        let mut next = starts.clone();
-        let mut entries = vec![0; starts[lower.cols()] as usize];
-        each(&mut |row, column, entry| {
-            if row != column {
-                for end in [row, column] {
-                    entries[next[end] as usize] = entry;
-                    next[end] += 1;
-                }
-            }
-        });
+        let diagonal = (0..lower.cols()).map(|row| lower.nnz_index(row, row));
         Self {
-            starts,
-            entries,
-            diagonal,
+            graph: Graph::new(lower),
+            diagonal: diagonal.map(|entry| entry.map(|entry| entry.0)).collect(),
         }
     }
 
     /// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
     fn complete_diagonal(&self, lower: &mut CsMatI<f64, u32>, masses: &[f64]) {
-        let values = lower.data_mut();
-        let rows = masses.par_iter().zip(self.starts.par_windows(2));
-        let diagonal: Vec<f64> = rows
-            .with_min_len(CHUNK / 8)
-            .map(|(mass, ends)| {
-                let entries = &self.entries[ends[0] as usize..ends[1] as usize];
-                mass - entries
-                    .iter()
-                    .map(|&entry| values[entry as usize])
-                    .sum::<f64>()
-            })
-            .collect();
-        for (&entry, value) in self.diagonal.iter().zip(diagonal) {
-            if let Some(entry) = values.get_mut(entry as usize) {
-                *entry = value;
+        let entries = lower.data();
+        let rows = masses.par_iter().enumerate().with_min_len(CHUNK / 8);
+        let diagonal = rows.map(|(row, mass)| {
+            let neighbours = self.graph.neighbours_of(row).iter();
+            let couplings = neighbours.map(|&(_, entry)| entries[entry as usize]);
+            mass - couplings.sum::<f64>()
+        });
+        let diagonal: Vec<f64> = diagonal.collect();
+        let entries = lower.data_mut();
+        for (entry, value) in self.diagonal.iter().zip(diagonal) {
+            if let Some(entry) = *entry {
+                entries[entry] = value;
             }
         }
     }

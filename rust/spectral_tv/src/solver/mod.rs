@@ -8,6 +8,7 @@ mod cholesky;
 mod conjugate_gradients;
 #[cfg(test)]
 mod examples;
+mod graph;
 mod linear_solver;
 mod multigrid;
 

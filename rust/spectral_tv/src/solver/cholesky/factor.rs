@@ -89,7 +89,7 @@ impl Fronts<'_> {
             panels[place as usize] += self.entries[entry as usize];
         }
         for node in &self.unit.nodes {
-            let shape @ (height, width) = (node.height as usize, node.width as usize);
+            let shape @ (height, width) = (node.height, node.width);
             let size = height - width;
             let panel = &mut panels[node.panel..][..width * height];
             let (finished, rest) = stack.split_at_mut(node.scratch);
@@ -107,16 +107,17 @@ impl Fronts<'_> {
                 let places = &unit.places[child.places..][..child.size];
                 add(left_over, places, panel, update, shape);
             }
-            if !wide::is_wide(shape) {
-                if !eliminate::<FUSED>(panel, height, width) {
-                    return false;
-                }
-                subtract_square::<FUSED>(update, size, panel, shape);
-            } else {
-                if !wide::eliminate(panel, height, width) {
-                    return false;
-                }
-                wide::subtract_square(update, size, panel, width);
+            let is_wide = wide::is_wide(shape);
+            let is_definite = match is_wide {
+                true => wide::eliminate(panel, height, width),
+                false => eliminate::<FUSED>(panel, height, width),
+            };
+            if !is_definite {
+                return false;
+            }
+            match is_wide {
+                true => wide::subtract_square(update, size, panel, width),
+                false => subtract_square::<FUSED>(update, size, panel, shape),
             }
             stack.copy_within(node.scratch..node.scratch + size * size, node.update);
         }

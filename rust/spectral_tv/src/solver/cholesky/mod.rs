@@ -38,8 +38,6 @@ const ENLARGEMENTS: [f64; 3] = [1e-12, 1e-9, 1e-6];
 pub struct Cholesky {
     units: Vec<Unit>,
     numbers: Vec<Numbers>,
-    /// The entries of the diagonal.
-    diagonal: Vec<usize>,
     is_factorized: bool,
 }
 
@@ -71,14 +69,7 @@ impl Analysis {
     fn prepare_in_units(self, lower: &CsMatI<f64, u32>, least_work: f64) -> Result<Cholesky> {
         let units = units::split(&self.0, lower, least_work)?;
         let numbers = units.iter().map(|unit| Numbers::new(unit, WHAT, ADVICE));
-        let starts = lower.proper_indptr();
-        let diagonal = (0..lower.cols()).filter_map(|column| {
-            let entries = starts[column] as usize..starts[column + 1] as usize;
-            let place = lower.indices()[entries.clone()].binary_search(&(column as u32));
-            place.ok().map(|place| entries.start + place)
-        });
         Ok(Cholesky {
-            diagonal: diagonal.collect(),
             numbers: numbers.collect::<Result<_>>()?,
             units,
             is_factorized: false,
@@ -108,11 +99,13 @@ impl Cholesky {
             if self.is_factorized {
                 break;
             }
-            let mut entries = lower.data().to_vec();
-            for &entry in &self.diagonal {
-                entries[entry] *= 1.0 + enlargement;
+            let mut enlarged = lower.clone();
+            for (column, mut entries) in enlarged.outer_iterator_mut().enumerate() {
+                if let Some(diagonal) = entries.get_mut(column) {
+                    *diagonal *= 1.0 + enlargement;
+                }
             }
-            self.is_factorized = factor::factorize(&self.units, &mut self.numbers, &entries);
+            self.is_factorized = factor::factorize(&self.units, &mut self.numbers, enlarged.data());
         }
         match self.is_factorized {
             true => Ok(()),

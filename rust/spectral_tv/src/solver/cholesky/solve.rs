@@ -105,7 +105,7 @@ fn up<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
     let mut sums: Vec<Lanes<L>> = Vec::new();
     for node in &unit.nodes {
         let (panel, rows, height, width) = parts(unit, panels, node);
-        let own = &mut x[node.column as usize..][..width];
+        let own = &mut x[node.column..][..width];
         for column in 0..width {
             let values = &panel[column * height..][column..width];
             let solved = own[column].map(|value| value * values[0]);
@@ -116,9 +116,8 @@ fn up<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
         }
         sums.clear();
         sums.resize(rows.len(), [0.0; L]);
-        let columns = panel.chunks_exact(height).zip(&*own);
-        let (mut blocks, mut singles) = (panel.chunks_exact(BLOCK * height), columns);
-        for (block, own) in (&mut blocks).zip(own.chunks_exact(BLOCK)) {
+        let blocks = panel.chunks_exact(BLOCK * height);
+        for (block, own) in blocks.zip(own.chunks_exact(BLOCK)) {
             let columns: [&[f64]; BLOCK] =
                 std::array::from_fn(|c| &block[c * height + width..(c + 1) * height]);
             for (row, sum) in sums.iter_mut().enumerate() {
@@ -127,7 +126,8 @@ fn up<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
                 }
             }
         }
-        for (values, own) in singles.by_ref().skip(width / BLOCK * BLOCK) {
+        let columns = panel.chunks_exact(height).zip(&*own);
+        for (values, own) in columns.skip(width / BLOCK * BLOCK) {
             for (sum, value) in sums.iter_mut().zip(&values[width..]) {
                 subtract(sum, *value, own);
             }
@@ -146,7 +146,7 @@ fn down<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
         let (panel, rows, height, width) = parts(unit, panels, node);
         known.clear();
         known.extend(rows.iter().map(|&row| x[row as usize]));
-        let own = &mut x[node.column as usize..][..width];
+        let own = &mut x[node.column..][..width];
         for (block, own) in panel
             .chunks_exact(BLOCK * height)
             .zip(own.chunks_exact_mut(BLOCK))
@@ -187,7 +187,7 @@ fn parts<'a>(
     panels: &'a [f64],
     node: &Node,
 ) -> (&'a [f64], &'a [u32], usize, usize) {
-    let (height, width) = (node.height as usize, node.width as usize);
+    let (height, width) = (node.height, node.width);
     let rows = &unit.rows[node.rows..][..height - width];
     (&panels[node.panel..][..height * width], rows, height, width)
 }

@@ -20,6 +20,8 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) struct Supernodes {
     /// The caller's index of each column.
     pub order: Vec<u32>,
+    /// The column of each of the caller's indices.
+    pub places: Vec<u32>,
     /// First column of each, and the number of columns at the end.
     pub begins: Vec<u32>,
     /// First entry of each in `rows`.
@@ -80,6 +82,7 @@ impl Supernodes {
         };
         Ok(Self {
             order: order.arrays().0.to_vec(),
+            places: order.arrays().1.to_vec(),
             begins,
             starts: nodes.col_ptr_for_row_idx().to_vec(),
             rows: nodes.row_idx().to_vec(),

@@ -38,9 +38,9 @@ pub(super) struct Unit {
 #[derive(Clone, Copy)]
 pub(super) struct Node {
     /// First column, number of columns, and rows of its front, its columns included.
-    pub column: u32,
-    pub width: u32,
-    pub height: u32,
+    pub column: usize,
+    pub width: usize,
+    pub height: usize,
     /// Where its panel, its rows, and its children begin, and the number of these.
     pub panel: usize,
     pub rows: usize,
@@ -148,9 +148,9 @@ impl Builder<'_> {
             self.indices[index] = unit.nodes.len() as u32;
             self.roots[owner] = index as u32;
             unit.nodes.push(Node {
-                column: column as u32,
-                width: width as u32,
-                height: height as u32,
+                column,
+                width,
+                height,
                 panel: unit.panel_length,
                 rows: 0,
                 children: 0,
@@ -242,14 +242,14 @@ impl Builder<'_> {
                 let child = Child {
                     unit: (!is_own).then_some(other as u32),
                     update: node.update,
-                    size: (node.height - node.width) as usize,
+                    size: node.height - node.width,
                     places: node.rows,
                 };
                 self.units[owner].children.push(child);
             }
             let unit = &mut self.units[owner];
             let node = &mut unit.nodes[self.indices[index] as usize];
-            let size = (node.height - node.width) as usize;
+            let size = node.height - node.width;
             (node.scratch, node.update) = (scratch, update);
             (node.children, node.child_count) = (first, list.len());
             unit.stack_length = unit.stack_length.max(scratch + size * size);
@@ -267,21 +267,17 @@ impl Builder<'_> {
         {
             return Err(Error::Solver("the factor has too many entries".into()));
         }
-        let mut places = vec![0_u32; nodes.order.len()];
-        for (place, &vertex) in nodes.order.iter().enumerate() {
-            places[vertex as usize] = place as u32;
-        }
         let starts = lower.proper_indptr();
         for column in 0..lower.cols() {
             for entry in starts[column]..starts[column + 1] {
                 let ends = [column, lower.indices()[entry as usize] as usize];
-                let [a, b] = ends.map(|vertex| places[vertex]);
+                let [a, b] = ends.map(|vertex| nodes.places[vertex]);
                 let (column, row) = (a.min(b), a.max(b));
                 let index = nodes.begins.partition_point(|&begin| begin <= column) - 1;
                 let unit = &mut self.units[self.owners[index] as usize];
                 let node = &unit.nodes[self.indices[index] as usize];
-                let offset = (column - nodes.begins[index]) * node.height;
-                let place = node.panel + offset as usize + front_row(nodes, index, row);
+                let offset = (column - nodes.begins[index]) as usize * node.height;
+                let place = node.panel + offset + front_row(nodes, index, row);
                 unit.entries.push((entry, place as u32));
             }
         }

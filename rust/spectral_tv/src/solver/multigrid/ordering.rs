@@ -4,6 +4,7 @@ use sprs::CsMatI;
 
 use crate::error::Result;
 use crate::monitor::Stage;
+use crate::solver::graph::Graph;
 
 /// Vertices between two looks at whether the work was cancelled.
 const PIECE: usize = 1 << 16;
@@ -66,46 +67,7 @@ impl Ordering {
     }
 }
 
-/// The neighbours of every vertex in the caller's order, each with its entry of the matrix.
-struct Graph {
-    starts: Vec<u32>,
-    neighbours: Vec<(u32, u32)>,
-}
-
 impl Graph {
-    fn new(lower: &CsMatI<f64, u32>) -> Self {
-        let columns = lower.proper_indptr();
-        let edges = || {
-            (0..lower.cols()).flat_map(|column| {
-                (columns[column]..columns[column + 1])
-                    .map(move |entry| (column as u32, lower.indices()[entry as usize], entry))
-                    .filter(|(column, row, _)| column != row)
-            })
-        };
-        let mut starts = vec![0_u32; lower.cols() + 1];
-        for (i, j, _) in edges() {
-            starts[i as usize + 1] += 1;
-            starts[j as usize + 1] += 1;
-        }
-        for vertex in 0..lower.cols() {
-            starts[vertex + 1] += starts[vertex];
-        }
-        let mut next = starts.clone();
-        let mut neighbours = vec![(0, 0); starts[lower.cols()] as usize];
-        for (i, j, entry) in edges() {
-            for (from, to) in [(i, j), (j, i)] {
-                let place = &mut next[from as usize];
-                neighbours[*place as usize] = (to, entry);
-                *place += 1;
-            }
-        }
-        Self { starts, neighbours }
-    }
-
-    fn neighbours_of(&self, vertex: usize) -> &[(u32, u32)] {
-        &self.neighbours[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
-    }
-
     /// The vertices, component by component, ring by ring around the end of a first search:
     /// rings are then short.
     fn breadth_first(&self, stage: Stage) -> Result<Vec<u32>> {
