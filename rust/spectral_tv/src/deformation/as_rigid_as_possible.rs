@@ -27,8 +27,9 @@ pub(super) fn as_rigid_as_possible(
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
     let stiffness = Stiffness::membrane(&problem, &weights);
     let curvature = stiffness.apply(positions);
-    let mut quadratic = Quadratic::new(problem, stiffness, dirichlet_springs(&problem))?;
-    let mut state = harmonic(problem)?;
+    let springs = dirichlet_springs(&problem);
+    let mut quadratic = Quadratic::new(problem, stiffness, springs, stage)?;
+    let mut state = harmonic(problem, stage)?;
     let mut rotations = vec![Rotation3::identity(); positions.ncols()];
     for iteration in 0..MOST_ITERATIONS {
         stage.report(iteration as f64 / MOST_ITERATIONS as f64)?;

@@ -100,8 +100,8 @@ pub fn deform(
         return Ok(carried(&targets));
     }
     let (mut displacement, iterations) = match algorithm {
-        Algorithm::Harmonic => (harmonic(problem)?, 1),
-        Algorithm::Biharmonic => (biharmonic(problem)?, 1),
+        Algorithm::Harmonic => (harmonic(problem, stage)?, 1),
+        Algorithm::Biharmonic => (biharmonic(problem, stage)?, 1),
         Algorithm::Paper => reweighted(problem, tolerance, stage)?,
         Algorithm::Convex | Algorithm::AsRigidAsPossible => {
             as_rigid_as_possible(problem, &positions(mesh), tolerance, stage)?
@@ -109,7 +109,7 @@ pub fn deform(
     };
     stage.report(1.0)?;
     let total_variation = total_variation(operators.gradient(), displacement.view());
-    let gap = certified_gap(problem, &displacement)?;
+    let gap = certified_gap(problem, &displacement, stage)?;
     constraints.floating.carry(&mut displacement);
     Ok(Deformation {
         displacement,
@@ -132,7 +132,7 @@ pub(super) fn carried(targets: &Targets) -> Deformation {
 }
 
 /// The gap that the dual field nearest to ∇d/|∇d| proves.
-fn certified_gap(problem: Problem, displacement: &Array2<f64>) -> Result<f64> {
+fn certified_gap(problem: Problem, displacement: &Array2<f64>, stage: Stage) -> Result<f64> {
     let gradient = problem.operators.gradient();
     let variation = total_variation(gradient, displacement.view());
     let mean = variation / problem.operators.area();
@@ -143,11 +143,11 @@ fn certified_gap(problem: Problem, displacement: &Array2<f64>) -> Result<f64> {
     let weights = |norms: &[f64]| smoothed.weights(norms);
     let energy = problem.energy(&weights);
     let slope = energy.slope(displacement.view());
-    let mut newton = PrimalDualNewton::new(problem.operators, 3)?;
+    let mut newton = PrimalDualNewton::new(problem.operators, 3, stage)?;
     newton.set_dual(&energy, &slope, energy.slope(displacement.view()).fluxes());
-    newton.reweighted(&energy, &slope, &Array2::zeros(displacement.dim()))?;
+    newton.reweighted(&energy, &slope, &Array2::zeros(displacement.dim()), stage)?;
     Ok(problem.gap(
         displacement,
-        &newton.balanced_dual(&energy, &slope, displacement)?,
+        &newton.balanced_dual(&energy, &slope, displacement, stage)?,
     ))
 }

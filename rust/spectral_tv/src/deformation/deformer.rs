@@ -10,7 +10,7 @@ use crate::error::{Error, Result, has_usable_size};
 use crate::memory::{self, needs};
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::operators::{Discretization, total_variation};
 
 /// Shrinkage of the smoothing ε from one iteration to the next, down to its goal.
@@ -106,7 +106,7 @@ impl Deformer {
         let operators = Discretization::new(mesh, stage)?;
         stage.check()?;
         Ok(Self {
-            newton: PrimalDualNewton::new(&operators, 3)?,
+            newton: PrimalDualNewton::new(&operators, 3, stage)?,
             state: Array2::zeros((3, mesh.vertex_count())),
             is_at_rest: true,
             handles: Handles {
@@ -145,19 +145,19 @@ impl Deformer {
     fn optimum(&mut self, targets: &Targets, tolerance: f64, stage: Stage) -> Result<(f64, usize)> {
         let mut goal = GOAL * tolerance;
         let mut smoothing = if self.is_at_rest { 1.0 } else { goal };
-        let field = self.follow(targets)?;
+        let field = self.follow(targets, stage)?;
         let mut gap = self.gap(targets, 0.0, &field);
         let mut iterations = 1;
         while gap > tolerance && iterations < MOST_ITERATIONS {
             stage.report(1.0 - PROGRESS.powi(iterations as i32))?;
             let epsilon = smoothing * self.gradient_scale(targets);
-            let slope = self.iterate(targets, epsilon)?;
+            let slope = self.iterate(targets, epsilon, stage)?;
             iterations += 1;
             if smoothing > goal {
                 smoothing = (CONTINUATION * smoothing).max(goal);
                 continue;
             }
-            let field = self.balanced_dual(targets, &slope)?;
+            let field = self.balanced_dual(targets, &slope, stage)?;
             gap = self.gap(targets, 0.0, &field);
             if self.gap(targets, epsilon, &field) < SOLVED * tolerance {
                 goal *= CONTINUATION;
@@ -198,13 +198,15 @@ impl Deformer {
         if targets.radius == 0.0 {
             return Ok(self.carry(&targets));
         }
+        let monitor = Monitor::new();
+        let stage = monitor.whole();
         let gap = self.within_span(&targets, |deformer, targets| {
-            let field = deformer.follow(targets)?;
+            let field = deformer.follow(targets, stage)?;
             let mut gap = deformer.gap(targets, 0.0, &field);
             if targets.displacements.nrows() == 1 && gap > LAGGING {
                 let epsilon = DRAG_EPSILON * deformer.gradient_scale(targets);
-                let slope = deformer.iterate(targets, epsilon)?;
-                let field = deformer.balanced_dual(targets, &slope)?;
+                let slope = deformer.iterate(targets, epsilon, stage)?;
+                let field = deformer.balanced_dual(targets, &slope, stage)?;
                 gap = deformer.gap(targets, 0.0, &field);
             }
             Ok(gap)
@@ -234,7 +236,7 @@ impl Deformer {
     /// the last state: L(w) d = 0. At rest w is that of a gradient of the spread over √area
     /// everywhere, which gives the harmonic deformation. Returns
     /// w ∇d, which is free of divergence and so a dual field, but for |z| ≤ 1.
-    fn follow(&mut self, targets: &Targets) -> Result<TangentField> {
+    fn follow(&mut self, targets: &Targets, stage: Stage) -> Result<TangentField> {
         let problem = self
             .handles
             .problem(targets, DRAG_EPSILON * self.gradient_scale(targets));
@@ -248,7 +250,7 @@ impl Deformer {
         problem.place_fixed(&mut self.state);
         let slope = energy.slope(self.state.view());
         let descent = energy.descent(self.state.view(), &slope);
-        self.state += &self.newton.reweighted(&energy, &slope, &descent)?;
+        self.state += &self.newton.reweighted(&energy, &slope, &descent, stage)?;
         let field = energy.slope(self.state.view()).fluxes();
         match self.is_at_rest {
             true => self.newton.forget(targets.displacements.nrows()),
@@ -267,13 +269,13 @@ impl Deformer {
     }
 
     /// One iteration of primal–dual Newton for the smoothing ε; returns the slope it started from.
-    fn iterate(&mut self, targets: &Targets, epsilon: f64) -> Result<Slope> {
+    fn iterate(&mut self, targets: &Targets, epsilon: f64, stage: Stage) -> Result<Slope> {
         let problem = self.handles.problem(targets, epsilon);
         let weights = |norms: &[f64]| problem.variation.weights(norms);
         let energy = problem.energy(&weights);
         let slope = energy.slope(self.state.view());
         let descent = energy.descent(self.state.view(), &slope);
-        let direction = self.newton.direction(&energy, &slope, &descent)?;
+        let direction = self.newton.direction(&energy, &slope, &descent, stage)?;
         let length = energy.line_search(&slope, &direction, &descent);
         self.newton.update_dual(&energy, &slope, &direction);
         self.state.scaled_add(length, &direction);
@@ -281,11 +283,17 @@ impl Deformer {
     }
 
     /// The dual field of the last iteration, made free of divergence.
-    fn balanced_dual(&mut self, targets: &Targets, slope: &Slope) -> Result<TangentField> {
+    fn balanced_dual(
+        &mut self,
+        targets: &Targets,
+        slope: &Slope,
+        stage: Stage,
+    ) -> Result<TangentField> {
         let problem = self.handles.problem(targets, 0.0);
         let weights = |norms: &[f64]| problem.variation.weights(norms);
         let energy = problem.energy(&weights);
-        self.newton.balanced_dual(&energy, slope, &self.state)
+        self.newton
+            .balanced_dual(&energy, slope, &self.state, stage)
     }
 
     /// Duality gap relative to the energy, TV being smoothed by ε.

@@ -5,6 +5,7 @@ use sprs::CsMatI;
 
 use crate::deformation::problem::Problem;
 use crate::error::Result;
+use crate::monitor::Stage;
 use crate::operators::{element_stiffness, pin};
 use crate::solver::Cholesky;
 
@@ -71,8 +72,13 @@ impl<'a> Quadratic<'a> {
     /// Factorizes the energy whose K is `stiffness`.
     ///
     /// # Errors
-    /// [`crate::Error::Solver`] if it cannot be factorized.
-    pub fn new(problem: Problem<'a>, stiffness: Stiffness<'a>, spring_scale: f64) -> Result<Self> {
+    /// [`crate::Error::Solver`] if it cannot be factorized, or [`crate::Error::Cancelled`].
+    pub fn new(
+        problem: Problem<'a>,
+        stiffness: Stiffness<'a>,
+        spring_scale: f64,
+        stage: Stage,
+    ) -> Result<Self> {
         let mut system = stiffness.matrix();
         for (column, mut entries) in system.outer_iterator_mut().enumerate() {
             if let Some(diagonal) = entries.get_mut(column) {
@@ -80,8 +86,8 @@ impl<'a> Quadratic<'a> {
             }
         }
         pin(problem.fixed, &mut system);
-        let mut cholesky = Cholesky::analyse(&system)?;
-        cholesky.factorize(&system)?;
+        let mut cholesky = Cholesky::analyse(&system, stage)?;
+        cholesky.factorize(&system, stage)?;
         Ok(Self {
             problem,
             stiffness,
@@ -110,26 +116,37 @@ impl<'a> Quadratic<'a> {
 }
 
 /// The displacement of least ∫|∇d|².
-pub(super) fn harmonic(problem: Problem) -> Result<Array2<f64>> {
+pub(super) fn harmonic(problem: Problem, stage: Stage) -> Result<Array2<f64>> {
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
     least(
         problem,
         Stiffness::membrane(&problem, &weights),
         dirichlet_springs(&problem),
+        stage,
     )
 }
 
 /// The displacement of least ∫|Δd|².
-pub(super) fn biharmonic(problem: Problem) -> Result<Array2<f64>> {
+pub(super) fn biharmonic(problem: Problem, stage: Stage) -> Result<Array2<f64>> {
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
     let springs = dirichlet_springs(&problem) / problem.operators.area();
-    least(problem, Stiffness::bending(&problem, &weights), springs)
+    least(
+        problem,
+        Stiffness::bending(&problem, &weights),
+        springs,
+        stage,
+    )
 }
 
-fn least(problem: Problem, stiffness: Stiffness, springs: f64) -> Result<Array2<f64>> {
+fn least(
+    problem: Problem,
+    stiffness: Stiffness,
+    springs: f64,
+    stage: Stage,
+) -> Result<Array2<f64>> {
     let mut state = Array2::zeros(problem.targets.displacements.dim());
     let forces = state.clone();
-    Quadratic::new(problem, stiffness, springs)?.minimise(&mut state, &forces);
+    Quadratic::new(problem, stiffness, springs, stage)?.minimise(&mut state, &forces);
     Ok(state)
 }
 

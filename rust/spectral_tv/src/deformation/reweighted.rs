@@ -29,7 +29,7 @@ pub(super) fn reweighted(
     let area = problem.operators.area();
     let spread = problem.targets.spread();
     let springs = 1.0 / (spread * area.sqrt());
-    let mut state = harmonic(problem)?;
+    let mut state = harmonic(problem, stage)?;
     let forces = Array2::zeros(state.dim());
     for iteration in 0..MOST_ITERATIONS {
         stage.report(iteration as f64 / MOST_ITERATIONS as f64)?;
@@ -39,8 +39,8 @@ pub(super) fn reweighted(
         }
         let weights = Variation::smoothed(SMOOTHING * mean).weights(&gradient.norms(state.view()));
         let last = state.clone();
-        Quadratic::new(problem, Stiffness::bending(&problem, &weights), springs)?
-            .minimise(&mut state, &forces);
+        let stiffness = Stiffness::bending(&problem, &weights);
+        Quadratic::new(problem, stiffness, springs, stage)?.minimise(&mut state, &forces);
         let moved = (&state - &last)
             .iter()
             .fold(0.0, |a: f64, b| a.max(b.abs()));

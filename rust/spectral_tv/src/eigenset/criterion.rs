@@ -110,7 +110,7 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
     stage.report(0.0)?;
     let operators = Discretization::new(mesh, stage)?;
     let edge = mean_edge(mesh);
-    let mut perimeter = Perimeter::new(&operators, edge)?;
+    let mut perimeter = Perimeter::new(&operators, edge, stage)?;
     let length = perimeter.of(&set);
     // ψ, with zero mean on every part, so that it vanishes.
     let psi = Array2::from_shape_fn((1, set.len()), |(_, v)| {

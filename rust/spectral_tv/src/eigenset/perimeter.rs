@@ -10,6 +10,7 @@ use ndarray::{Array2, Axis};
 
 use crate::error::Result;
 use crate::mesh::TriangleMesh;
+use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness, total_variation};
 use crate::solver::Cholesky;
 
@@ -25,7 +26,7 @@ pub(super) struct Diffusion<'a> {
 
 impl<'a> Diffusion<'a> {
     /// The diffusion of the radius r, a length.
-    pub fn new(operators: &'a Discretization, radius: f64) -> Result<Self> {
+    pub fn new(operators: &'a Discretization, radius: f64, stage: Stage) -> Result<Self> {
         let (gradient, pattern) = (operators.gradient(), operators.pattern());
         let mut system = pattern.zeros();
         let stiffness = |face: usize| {
@@ -33,8 +34,8 @@ impl<'a> Diffusion<'a> {
             element_stiffness(&gradient.hats()[face], scale)
         };
         pattern.assemble(gradient, operators.masses(), stiffness, &mut system);
-        let mut cholesky = Cholesky::analyse(&system)?;
-        cholesky.factorize(&system)?;
+        let mut cholesky = pattern.cholesky(stage)?;
+        cholesky.factorize(&system, stage)?;
         Ok(Self {
             operators,
             cholesky,
@@ -75,14 +76,14 @@ pub(super) struct Perimeter<'a> {
 
 impl<'a> Perimeter<'a> {
     /// For sets and gaps wider than some edges of length `edge`.
-    pub fn new(operators: &'a Discretization, edge: f64) -> Result<Self> {
+    pub fn new(operators: &'a Discretization, edge: f64, stage: Stage) -> Result<Self> {
         let radii = [RADIUS * edge, 2.0 * RADIUS * edge];
         // On a lattice of equilateral triangles a straight line then has its length exactly.
         let correction = |r: f64| (1.0 + 3.0 / 16.0 * (edge / r).powi(2)).sqrt();
         Ok(Self {
             diffusions: [
-                Diffusion::new(operators, radii[0])?,
-                Diffusion::new(operators, radii[1])?,
+                Diffusion::new(operators, radii[0], stage)?,
+                Diffusion::new(operators, radii[1], stage)?,
             ],
             corrections: radii.map(correction),
         })

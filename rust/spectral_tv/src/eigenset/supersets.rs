@@ -35,7 +35,7 @@ pub(super) fn supersets(
     for k in 0..RADII {
         stage.report(k as f64 / RADII as f64)?;
         let radius = least * (most / least).max(1.0).powf(k as f64 / (RADII - 1) as f64);
-        let values = Diffusion::new(operators, radius)?.apply(set);
+        let values = Diffusion::new(operators, radius, stage)?.apply(set);
         for level in LEVELS {
             found.add(&values, level);
         }

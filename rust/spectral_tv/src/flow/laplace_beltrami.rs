@@ -159,11 +159,11 @@ impl Inverse {
         let stiffness =
             |face: usize| element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
         let mut system = operators.pattern().zeros();
-        let mut factor = Cholesky::analyse(&system)?;
+        let mut factor = operators.pattern().cholesky(stage)?;
         stage.check()?;
         let pattern = operators.pattern();
         pattern.assemble(gradient, &diagonal, stiffness, &mut system);
-        factor.factorize(&system)?;
+        factor.factorize(&system, stage)?;
         stage.check()?;
         let components = connected_components(mesh);
         let mut component_masses = vec![0.0; component_count(&components)];

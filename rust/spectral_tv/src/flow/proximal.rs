@@ -26,7 +26,7 @@ pub fn proximal_flow(
     stage: Stage,
 ) -> Result<Trajectory> {
     check_tolerance(tolerance)?;
-    let mut newton = ProximalNewton::new(operators, initial.nrows())?;
+    let mut newton = ProximalNewton::new(operators, initial.nrows(), stage)?;
     let mut record = Recorder::new(operators, initial, times)?;
     for k in 0..times.len() - 1 {
         stage.report(k as f64 / (times.len() - 1) as f64)?;

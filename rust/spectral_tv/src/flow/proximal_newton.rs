@@ -23,10 +23,10 @@ pub(super) struct ProximalNewton<'a> {
 
 impl<'a> ProximalNewton<'a> {
     /// A solver for functions with `channels` channels.
-    pub fn new(operators: &'a Discretization, channels: usize) -> Result<Self> {
+    pub fn new(operators: &'a Discretization, channels: usize, stage: Stage) -> Result<Self> {
         Ok(Self {
             operators,
-            newton: PrimalDualNewton::new(operators, channels)?,
+            newton: PrimalDualNewton::new(operators, channels, stage)?,
             epsilon: f64::INFINITY,
         })
     }
@@ -66,7 +66,7 @@ impl<'a> ProximalNewton<'a> {
             };
             let slope = energy.slope(state.view());
             let descent = energy.descent(state.view(), &slope);
-            let direction = self.newton.direction(&energy, &slope, &descent)?;
+            let direction = self.newton.direction(&energy, &slope, &descent, stage)?;
             let length = energy.line_search(&slope, &direction, &descent);
             self.newton.update_dual(&energy, &slope, &direction);
             state.scaled_add(length, &direction);

@@ -118,7 +118,7 @@ impl<'a> StepSolver<'a> {
             means: Means::new(operators),
             operators,
             law,
-            solver: LinearSolver::new(operators.pattern().zeros(), solver, demand, stage)?,
+            solver: operators.pattern().solver(solver, demand, stage)?,
             stage,
             before: None,
         })
@@ -250,7 +250,7 @@ impl<'a> StepSolver<'a> {
         if let Some(residual) = again
             && (shift.is_nan() || shift > LARGEST_SHIFT)
         {
-            increment = self.solver.solve_exactly(residual)?;
+            increment = self.solver.solve_exactly(residual, self.stage)?;
             self.means.restore(&mut increment, step, masses, start);
         }
         Ok(increment)

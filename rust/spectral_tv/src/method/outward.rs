@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness};
-use crate::solver::{Demand, LinearSolver, Solver};
+use crate::solver::{Demand, Solver};
 
 /// How far along the surface directions are kept coherent, squared and relative to the area.
 const COHERENCE: f64 = 0.1;
@@ -70,7 +70,7 @@ pub(super) fn outward_signs(
         solutions: 1,
         channels: 1,
     };
-    let mut solver = LinearSolver::new(pattern.zeros(), solver, demand, stage)?;
+    let mut solver = pattern.solver(solver, demand, stage)?;
     let mut couplings = pattern.zeros();
     stage.check()?;
     let stiffness = |face: usize| face_couplings[face];

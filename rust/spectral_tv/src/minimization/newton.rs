@@ -10,6 +10,7 @@ use sprs::CsMatI;
 use crate::error::Result;
 use crate::minimization::energy::{Energy, Slope};
 use crate::minimization::fields::{TangentField, clipping_factors, inner_products};
+use crate::monitor::Stage;
 use crate::operators::{Discretization, FaceVector, element_stiffness, pin};
 use crate::solver::{Cholesky, conjugate_gradients};
 
@@ -30,10 +31,11 @@ impl PrimalDualNewton {
     /// Starts with the dual field 0, for functions with `channels` channels.
     ///
     /// # Errors
-    /// [`crate::Error::Solver`] if memory does not suffice.
-    pub fn new(operators: &Discretization, channels: usize) -> Result<Self> {
+    /// [`crate::Error::Memory`], [`crate::Error::Solver`] if the index range does not suffice, or
+    /// [`crate::Error::Cancelled`].
+    pub fn new(operators: &Discretization, channels: usize, stage: Stage) -> Result<Self> {
         let system = operators.pattern().zeros();
-        let cholesky = Cholesky::analyse(&system)?;
+        let cholesky = operators.pattern().cholesky(stage)?;
         let faces = operators.gradient().face_areas().len();
         Ok(Self {
             system,
@@ -45,14 +47,16 @@ impl PrimalDualNewton {
     /// The reweighted direction: (M + τ L(w)) δ = `descent`.
     ///
     /// # Errors
-    /// [`crate::Error::Solver`] if the system is far from positive definite.
+    /// [`crate::Error::Solver`] if the system is far from positive definite, or
+    /// [`crate::Error::Cancelled`].
     pub fn reweighted(
         &mut self,
         energy: &Energy,
         slope: &Slope,
         descent: &Array2<f64>,
+        stage: Stage,
     ) -> Result<Array2<f64>> {
-        self.factorize(energy, reweighted_stiffness(energy, slope))?;
+        self.factorize(energy, reweighted_stiffness(energy, slope), stage)?;
         let mut direction = descent.clone();
         self.cholesky.solve_in_place(&mut direction);
         Ok(direction)
@@ -67,18 +71,19 @@ impl PrimalDualNewton {
         energy: &Energy,
         slope: &Slope,
         descent: &Array2<f64>,
+        stage: Stage,
     ) -> Result<Array2<f64>> {
         if self.dual.len() == 1 {
             let stiffness = newton_stiffness(energy, slope, self.dual[0].clone());
-            if self.factorize(energy, stiffness).is_err() {
+            if self.factorize(energy, stiffness, stage).is_err() {
                 // H may be singular but for rounding, on needles. Reweighting always descends.
-                return self.reweighted(energy, slope, descent);
+                return self.reweighted(energy, slope, descent, stage);
             }
             let mut direction = descent.clone();
             self.cholesky.solve_in_place(&mut direction);
             return Ok(direction);
         }
-        self.factorize(energy, reweighted_stiffness(energy, slope))?;
+        self.factorize(energy, reweighted_stiffness(energy, slope), stage)?;
         let (cholesky, dual) = (&mut self.cholesky, &self.dual);
         Ok(conjugate_gradients(
             |values| apply_hessian(energy, slope, dual, values),
@@ -89,12 +94,17 @@ impl PrimalDualNewton {
         ))
     }
 
-    fn factorize(&mut self, energy: &Energy, stiffness: impl Fn(usize) -> [f64; 3]) -> Result<()> {
+    fn factorize(
+        &mut self,
+        energy: &Energy,
+        stiffness: impl Fn(usize) -> [f64; 3],
+        stage: Stage,
+    ) -> Result<()> {
         let pattern = energy.operators.pattern();
         let gradient = energy.operators.gradient();
         pattern.assemble(gradient, energy.masses, stiffness, &mut self.system);
         pin(energy.fixed, &mut self.system);
-        self.cholesky.factorize(&self.system)
+        self.cholesky.factorize(&self.system, stage)
     }
 
     /// The dual field brought into balance with `state` (C, V): z + w ∇q, the least change, for
@@ -108,10 +118,11 @@ impl PrimalDualNewton {
         energy: &Energy,
         slope: &Slope,
         state: &Array2<f64>,
+        stage: Stage,
     ) -> Result<TangentField> {
         if self.dual.len() == 1 {
             // The factor at hand may be that of H.
-            self.factorize(energy, reweighted_stiffness(energy, slope))?;
+            self.factorize(energy, reweighted_stiffness(energy, slope), stage)?;
         }
         let gradient = energy.operators.gradient();
         let mut potential = energy.descent_of(state.view(), &self.dual);

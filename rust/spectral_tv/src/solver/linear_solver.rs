@@ -6,9 +6,8 @@ use sprs::CsMatI;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
-use crate::solver::cholesky::Analysis;
 use crate::solver::graph::Graph;
-use crate::solver::{Cholesky, Multigrid};
+use crate::solver::{Analysis, Cholesky, Multigrid};
 
 /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
 /// exact.
@@ -76,6 +75,7 @@ pub struct LinearSolver {
     lower: CsMatI<f64, u32>,
     masses: Vec<f64>,
     rows: Option<Rows>,
+    analysis: Analysis,
     multigrid: Option<Multigrid>,
     cholesky: Option<Cholesky>,
     /// Whether `cholesky` holds the factor of `lower`.
@@ -83,34 +83,35 @@ pub struct LinearSolver {
 }
 
 impl LinearSolver {
-    /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
+    /// Chooses for the pattern of `lower`, the lower triangle of the matrices to come, which has
+    /// this `analysis`.
     ///
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if memory does not suffice.
     pub fn new(
         lower: CsMatI<f64, u32>,
+        analysis: &Analysis,
         solver: Solver,
         demand: Demand,
         stage: Stage,
     ) -> Result<Self> {
         stage.check()?;
         let size = lower.cols();
-        let largest_fill = demand.largest_fill();
-        let is_direct = |analysis: &Analysis| size <= SMALL || analysis.fill() < largest_fill;
-        let analysis = match solver {
-            Solver::Multigrid => None,
-            Solver::Auto if size >= LARGE => None,
-            Solver::Auto => Some(Analysis::new(&lower)?).filter(is_direct),
-            Solver::Cholesky => Some(Analysis::new(&lower)?),
+        let is_direct = match solver {
+            Solver::Multigrid => false,
+            Solver::Auto if size >= LARGE => false,
+            Solver::Auto => size <= SMALL || analysis.fill(&lower)? < demand.largest_fill(),
+            Solver::Cholesky => true,
         };
         stage.check()?;
-        let (multigrid, cholesky) = match analysis {
-            Some(analysis) => (None, Some(analysis.prepare(&lower)?)),
-            None => (Some(Multigrid::analyse(&lower, stage)?), None),
+        let (multigrid, cholesky) = match is_direct {
+            true => (None, Some(Cholesky::new(&lower, analysis, stage)?)),
+            false => (Some(Multigrid::analyse(&lower, stage)?), None),
         };
         Ok(Self {
             masses: vec![0.0; lower.cols()],
             rows: None,
+            analysis: analysis.clone(),
             lower,
             multigrid,
             cholesky,
@@ -143,7 +144,7 @@ impl LinearSolver {
                 outcome => return outcome,
             }
         }
-        self.factorize()
+        self.factorize(stage)
     }
 
     /// Solves K x = b for every row b of `right_hand_sides` (C, V). An iteration starts from
@@ -168,16 +169,20 @@ impl LinearSolver {
                 outcome => return outcome,
             }
         }
-        self.solve_exactly(right_hand_sides)
+        self.solve_exactly(right_hand_sides, stage)
     }
 
     /// [`Self::solve`] by factorization, whatever the solver.
     ///
     /// # Errors
-    /// [`Error::Solver`] if the matrix is not positive definite.
-    pub fn solve_exactly(&mut self, mut right_hand_sides: Array2<f64>) -> Result<Array2<f64>> {
+    /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
+    pub fn solve_exactly(
+        &mut self,
+        mut right_hand_sides: Array2<f64>,
+        stage: Stage,
+    ) -> Result<Array2<f64>> {
         if !self.is_exact() {
-            self.factorize()?;
+            self.factorize(stage)?;
         }
         if let Some(cholesky) = &mut self.cholesky {
             cholesky.solve_in_place(&mut right_hand_sides);
@@ -195,14 +200,14 @@ impl LinearSolver {
         self.multigrid.is_none() || self.is_factorized
     }
 
-    fn factorize(&mut self) -> Result<()> {
+    fn factorize(&mut self, stage: Stage) -> Result<()> {
         let rows = self.rows.get_or_insert_with(|| Rows::new(&self.lower));
         rows.complete_diagonal(&mut self.lower, &self.masses);
         let mut cholesky = match self.cholesky.take() {
             Some(cholesky) => cholesky,
-            None => Cholesky::analyse(&self.lower)?,
+            None => Cholesky::new(&self.lower, &self.analysis, stage)?,
         };
-        let outcome = cholesky.factorize(&self.lower);
+        let outcome = cholesky.factorize(&self.lower, stage);
         self.is_factorized = outcome.is_ok();
         self.cholesky = Some(cholesky);
         outcome

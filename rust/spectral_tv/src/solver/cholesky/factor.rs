@@ -10,6 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::error::Result;
 use crate::memory::zeros;
+use crate::monitor::Stage;
 use crate::solver::cholesky::front::{eliminate, subtract_square};
 use crate::solver::cholesky::tree::upward;
 use crate::solver::cholesky::units::Unit;
@@ -40,7 +41,15 @@ impl Numbers {
 }
 
 /// Factorizes the matrix of these entries; `false` if it is not positive definite.
-pub(super) fn factorize(units: &[Unit], numbers: &mut [Numbers], entries: &[f64]) -> bool {
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub(super) fn factorize(
+    units: &[Unit],
+    numbers: &mut [Numbers],
+    entries: &[f64],
+    stage: Stage,
+) -> Result<bool> {
     let is_definite = AtomicBool::new(true);
     upward(units, units.len() - 1, numbers, &|unit, below, own| {
         if is_definite.load(Ordering::Relaxed) {
@@ -50,13 +59,15 @@ pub(super) fn factorize(units: &[Unit], numbers: &mut [Numbers], entries: &[f64]
                 below,
                 own,
                 entries,
+                stage,
             };
             if !Arch::new().dispatch(fronts) {
                 is_definite.store(false, Ordering::Relaxed);
             }
         }
     });
-    is_definite.into_inner()
+    stage.check()?;
+    Ok(is_definite.into_inner())
 }
 
 /// The fronts of one unit.
@@ -66,6 +77,7 @@ struct Fronts<'a> {
     below: &'a [Numbers],
     own: &'a mut Numbers,
     entries: &'a [f64],
+    stage: Stage<'a>,
 }
 
 impl WithSimd for Fronts<'_> {
@@ -112,7 +124,7 @@ impl Fronts<'_> {
                 true => wide::eliminate(panel, height, width),
                 false => eliminate::<FUSED>(panel, height, width),
             };
-            if !is_definite {
+            if !is_definite || self.stage.check().is_err() {
                 return false;
             }
             match is_wide {

@@ -1,11 +1,15 @@
 //! Sparse Cholesky factorization: the analysis is done once, each step factorizes anew.
 //!
-//! Orders and patterns are faer's. Its numeric factorization goes through the supernodes one by
-//! one; those of a surface are small and many, and the elimination tree has room for all threads
-//! from some thousand vertices on, so that part is our own.
+//! Patterns are faer's, and its orders where shapes fall apart by themselves; even, compact
+//! meshes take half of the work in orders of nested dissection, which it has not. Its numeric
+//! factorization goes through the supernodes one by one; those of a surface are small and many,
+//! and the elimination tree has room for all threads from some thousand vertices on. So these
+//! parts are our own.
 
+mod dissection;
 mod factor;
 mod front;
+mod separator;
 mod solve;
 mod supernodes;
 #[cfg(test)]
@@ -14,10 +18,13 @@ mod tree;
 mod units;
 mod wide;
 
+use std::sync::{Arc, OnceLock};
+
 use ndarray::{Array2, Axis};
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
+use crate::monitor::Stage;
 use factor::Numbers;
 use supernodes::Supernodes;
 use units::Unit;
@@ -32,58 +39,93 @@ const LEAST_WORK: f64 = 1.5e5;
 /// Relative enlargements of the diagonal to try in turn.
 const ENLARGEMENTS: [f64; 3] = [1e-12, 1e-9, 1e-6];
 
+/// Entries in a row of the factor, in an order of approximate minimum degree, from which nested
+/// dissection pays: with half of the multiplications on even, compact meshes.
+const COMPACT_FILL: f64 = 45.0;
+/// Vertices up to which a part is not dissected.
+const SMALL: usize = 400;
+/// Columns from which on it is taken without a look at that: orders of minimum degree take too
+/// long to find where nothing can interrupt it.
+const LARGE: usize = 100_000;
+
+/// What matrices of one pattern have in common, found when it is first asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Analysis {
+    by_degree: OnceLock<Supernodes>,
+    units: OnceLock<Arc<[Unit]>>,
+}
+
+impl Analysis {
+    /// Entries that the factor has in each row, on average, in an order of approximate minimum
+    /// degree, for the pattern of `lower`.
+    ///
+    /// # Errors
+    /// [`Error::Solver`] if the index range does not suffice.
+    pub(super) fn fill(&self, lower: &CsMatI<f64, u32>) -> Result<f64> {
+        self.by_degree(lower).map(Supernodes::fill)
+    }
+
+    fn by_degree(&self, lower: &CsMatI<f64, u32>) -> Result<&Supernodes> {
+        if self.by_degree.get().is_none() {
+            // Whoever was faster has found the same.
+            let _ = self.by_degree.set(Supernodes::by_degree(lower)?);
+        }
+        Ok(self.by_degree.get().expect("found before"))
+    }
+
+    fn units(&self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Arc<[Unit]>> {
+        if let Some(units) = self.units.get() {
+            return Ok(Arc::clone(units));
+        }
+        let is_limbed = lower.cols() < LARGE && self.fill(lower)? < COMPACT_FILL;
+        stage.check()?;
+        let units = match is_limbed {
+            true => units::split(self.by_degree(lower)?, lower, LEAST_WORK),
+            false => units::split(
+                &Supernodes::by_dissection(lower, SMALL, stage)?,
+                lower,
+                LEAST_WORK,
+            ),
+        };
+        let units: Arc<[Unit]> = units?.into();
+        Ok(Arc::clone(self.units.get_or_init(|| units)))
+    }
+}
+
 /// A factorization P K Pᵀ = L Lᵀ of symmetric positive definite matrices of one pattern.
 ///
 /// Results are the same however many threads share the work.
 pub struct Cholesky {
-    units: Vec<Unit>,
+    units: Arc<[Unit]>,
     numbers: Vec<Numbers>,
     is_factorized: bool,
 }
 
-/// What a factorization of matrices of one pattern will look like.
-pub(super) struct Analysis(Supernodes);
-
-impl Analysis {
-    /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
+impl Cholesky {
+    /// Room for the factor of matrices with the pattern of `lower`, which has this `analysis`.
     ///
     /// # Errors
-    /// [`Error::Memory`], or [`Error::Solver`] if the index range does not suffice.
-    pub fn new(lower: &CsMatI<f64, u32>) -> Result<Self> {
-        Supernodes::new(lower).map(Self)
+    /// [`Error::Memory`], [`Error::Solver`] if the index range does not suffice, or
+    /// [`Error::Cancelled`].
+    pub fn new(lower: &CsMatI<f64, u32>, analysis: &Analysis, stage: Stage) -> Result<Self> {
+        Self::in_units(analysis.units(lower, stage)?)
     }
 
-    /// Entries that the factor will have in each row, on average.
-    pub fn fill(&self) -> f64 {
-        self.0.fill()
-    }
-
-    /// Makes room for the factor of matrices with the pattern of `lower`.
+    /// The same for a pattern that nothing is known of.
     ///
     /// # Errors
-    /// [`Error::Memory`], or [`Error::Solver`] if the index range does not suffice.
-    pub fn prepare(self, lower: &CsMatI<f64, u32>) -> Result<Cholesky> {
-        self.prepare_in_units(lower, LEAST_WORK)
+    /// As [`Self::new`].
+    pub fn analyse(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
+        Self::new(lower, &Analysis::default(), stage)
     }
 
-    fn prepare_in_units(self, lower: &CsMatI<f64, u32>, least_work: f64) -> Result<Cholesky> {
-        let units = units::split(&self.0, lower, least_work)?;
+    fn in_units(units: Arc<[Unit]>) -> Result<Self> {
         let numbers = units.iter().map(|unit| Numbers::new(unit, WHAT, ADVICE));
-        Ok(Cholesky {
+        Ok(Self {
             numbers: numbers.collect::<Result<_>>()?,
             units,
             is_factorized: false,
         })
-    }
-}
-
-impl Cholesky {
-    /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
-    ///
-    /// # Errors
-    /// [`Error::Memory`], or [`Error::Solver`] if the index range does not suffice.
-    pub fn analyse(lower: &CsMatI<f64, u32>) -> Result<Self> {
-        Analysis::new(lower)?.prepare(lower)
     }
 
     /// Factorizes the matrix whose lower triangle is `lower`.
@@ -92,9 +134,11 @@ impl Cholesky {
     /// diagonal is then enlarged, by 1e-6 of itself at most, until it has it back.
     ///
     /// # Errors
-    /// [`Error::Solver`] if the matrix is far from positive definite, or not finite.
-    pub fn factorize(&mut self, lower: &CsMatI<f64, u32>) -> Result<()> {
-        self.is_factorized = factor::factorize(&self.units, &mut self.numbers, lower.data());
+    /// [`Error::Solver`] if the matrix is far from positive definite, or not finite, or
+    /// [`Error::Cancelled`].
+    pub fn factorize(&mut self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<()> {
+        let Self { units, numbers, .. } = self;
+        self.is_factorized = factor::factorize(units, numbers, lower.data(), stage)?;
         for enlargement in ENLARGEMENTS {
             if self.is_factorized {
                 break;
@@ -105,7 +149,7 @@ impl Cholesky {
                     *diagonal *= 1.0 + enlargement;
                 }
             }
-            self.is_factorized = factor::factorize(&self.units, &mut self.numbers, enlarged.data());
+            self.is_factorized = factor::factorize(units, numbers, enlarged.data(), stage)?;
         }
         match self.is_factorized {
             true => Ok(()),

@@ -4,8 +4,11 @@ use ndarray::{Array2, arr2};
 use proptest::prelude::*;
 use sprs::{CsMatI, TriMatI};
 
+use crate::error::{Error, Result};
+use crate::monitor::Monitor;
 use crate::solver::Cholesky;
-use crate::solver::cholesky::Analysis;
+use crate::solver::cholesky::supernodes::Supernodes;
+use crate::solver::cholesky::units;
 use crate::solver::examples::{irregular, lattice, random, system_of};
 
 fn functions(channels: usize, size: usize) -> Array2<f64> {
@@ -28,11 +31,34 @@ fn product(lower: &CsMatI<f64, u32>, x: &Array2<f64>) -> Array2<f64> {
     product
 }
 
+/// A factorization in parts of so many vertices, and units of so much work.
+fn prepared(lower: &CsMatI<f64, u32>, smallest: Option<usize>, least_work: f64) -> Cholesky {
+    let monitor = Monitor::new();
+    let nodes = match smallest {
+        Some(smallest) => Supernodes::by_dissection(lower, smallest, monitor.whole()),
+        None => Supernodes::by_degree(lower),
+    };
+    Cholesky::in_units(
+        units::split(&nodes.unwrap(), lower, least_work)
+            .unwrap()
+            .into(),
+    )
+    .unwrap()
+}
+
+fn analysed(lower: &CsMatI<f64, u32>) -> Cholesky {
+    Cholesky::analyse(lower, Monitor::new().whole()).unwrap()
+}
+
+fn factorize(cholesky: &mut Cholesky, lower: &CsMatI<f64, u32>) -> Result<()> {
+    cholesky.factorize(lower, Monitor::new().whole())
+}
+
 /// The largest error of solutions, relative to the largest of what is to be found.
 fn error(cholesky: &mut Cholesky, lower: &CsMatI<f64, u32>, channels: usize) -> f64 {
     let expected = functions(channels, lower.cols());
     let mut solutions = product(lower, &expected);
-    cholesky.factorize(lower).unwrap();
+    factorize(cholesky, lower).unwrap();
     cholesky.solve_in_place(&mut solutions);
     let error = (&solutions - &expected)
         .iter()
@@ -43,12 +69,13 @@ fn error(cholesky: &mut Cholesky, lower: &CsMatI<f64, u32>, channels: usize) -> 
 #[test]
 fn solutions_have_the_right_images() {
     for (lower, _) in [lattice(90, 70, 0.1), irregular(4000), lattice(1, 1, 1.0)] {
-        for least_work in [1.0, 1e4, 1e12] {
-            let analysis = Analysis::new(&lower).unwrap();
-            let mut cholesky = analysis.prepare_in_units(&lower, least_work).unwrap();
-            // More than are solved at once.
-            for channels in [1, 3, 5] {
-                assert!(error(&mut cholesky, &lower, channels) < 1e-9);
+        for smallest in [None, Some(1), Some(100)] {
+            for least_work in [1.0, 1e4, 1e12] {
+                let mut cholesky = prepared(&lower, smallest, least_work);
+                // More than are solved at once.
+                for channels in [1, 3, 5] {
+                    assert!(error(&mut cholesky, &lower, channels) < 1e-9);
+                }
             }
         }
     }
@@ -57,7 +84,7 @@ fn solutions_have_the_right_images() {
 #[test]
 fn a_factor_serves_all_matrices_of_its_pattern() {
     let (first, _) = lattice(40, 30, 1.0);
-    let mut cholesky = Cholesky::analyse(&first).unwrap();
+    let mut cholesky = analysed(&first);
     assert!(error(&mut cholesky, &first, 2) < 1e-12);
     let (second, _) = lattice(40, 30, 1e-3);
     assert!(error(&mut cholesky, &second, 2) < 1e-9);
@@ -70,9 +97,9 @@ fn threads_make_no_difference() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.unwrap().install(|| {
-            let mut cholesky = Cholesky::analyse(&lower).unwrap();
+            let mut cholesky = analysed(&lower);
             assert!(cholesky.units.len() > 4);
-            cholesky.factorize(&lower).unwrap();
+            factorize(&mut cholesky, &lower).unwrap();
             let mut solutions = functions(3, masses.len());
             cholesky.solve_in_place(&mut solutions);
             solutions
@@ -95,11 +122,46 @@ fn many_parts_that_are_not_coupled_are_one_system() {
         start += length;
     }
     let (lower, _) = system_of(size, &edges, vec![0.1; size]);
-    for least_work in [1.0, 1e9] {
-        let analysis = Analysis::new(&lower).unwrap();
-        let mut cholesky = analysis.prepare_in_units(&lower, least_work).unwrap();
-        assert!(error(&mut cholesky, &lower, 3) < 1e-12);
+    for smallest in [None, Some(1), Some(30)] {
+        for least_work in [1.0, 1e9] {
+            let mut cholesky = prepared(&lower, smallest, least_work);
+            assert!(error(&mut cholesky, &lower, 3) < 1e-12);
+        }
     }
+}
+
+#[test]
+fn dissection_saves_work_on_an_even_closed_mesh() {
+    let (size, mut edges) = (130, Vec::new());
+    for i in 0..size {
+        for j in 0..size {
+            let (down, right) = ((i + 1) % size, (j + 1) % size);
+            for end in [down * size + j, i * size + right, down * size + right] {
+                edges.push((i * size + j, end, 1.0));
+            }
+        }
+    }
+    let (lower, _) = system_of(size * size, &edges, vec![1.0; size * size]);
+    let by_degree = Supernodes::by_degree(&lower).unwrap();
+    let dissected = Supernodes::by_dissection(&lower, 400, Monitor::new().whole()).unwrap();
+    let work = |nodes: &Supernodes| -> f64 { (0..nodes.len()).map(|node| nodes.work(node)).sum() };
+    assert!(work(&dissected) < 0.65 * work(&by_degree));
+}
+
+#[test]
+fn cancelling_ends_analysis_and_factorization() {
+    let (lower, _) = lattice(150, 140, 1.0);
+    let mut cholesky = analysed(&lower);
+    let monitor = Monitor::new();
+    monitor.cancel();
+    let stage = monitor.whole();
+    assert_eq!(
+        Cholesky::analyse(&lower, stage).err(),
+        Some(Error::Cancelled)
+    );
+    assert_eq!(cholesky.factorize(&lower, stage), Err(Error::Cancelled));
+    // It can be used as before.
+    assert!(error(&mut cholesky, &lower, 1) < 1e-9);
 }
 
 #[test]
@@ -111,14 +173,14 @@ fn a_singular_matrix_is_mended_and_an_indefinite_one_refused() {
         matrix.add_triplet(1, 1, 1.0);
         matrix.to_csc::<u32>()
     };
-    let mut cholesky = Cholesky::analyse(&lower(-1.0)).unwrap();
-    cholesky.factorize(&lower(-1.0)).unwrap();
+    let mut cholesky = analysed(&lower(-1.0));
+    factorize(&mut cholesky, &lower(-1.0)).unwrap();
     let mut solution = arr2(&[[1.0, -1.0]]);
     cholesky.solve_in_place(&mut solution);
     assert!((solution[[0, 0]] - solution[[0, 1]] - 1.0).abs() < 1e-6);
 
-    assert!(cholesky.factorize(&lower(-2.0)).is_err());
-    assert!(cholesky.factorize(&lower(f64::NAN)).is_err());
+    assert!(factorize(&mut cholesky, &lower(-2.0)).is_err());
+    assert!(factorize(&mut cholesky, &lower(f64::NAN)).is_err());
 }
 
 proptest! {
@@ -126,6 +188,7 @@ proptest! {
     fn any_pattern_is_solved(
         size in 1_usize..60,
         ends in proptest::collection::vec((0_usize..60, 0_usize..60, 0.01..10.0), 0..150),
+        smallest in prop_oneof![Just(None), Just(Some(1)), Just(Some(8))],
         least_work in prop_oneof![Just(1.0), Just(300.0), Just(1e9)],
     ) {
         let edges: Vec<_> = ends
@@ -134,8 +197,7 @@ proptest! {
             .filter(|(i, j, _)| i != j)
             .collect();
         let (lower, _) = system_of(size, &edges, vec![0.5; size]);
-        let analysis = Analysis::new(&lower).unwrap();
-        let mut cholesky = analysis.prepare_in_units(&lower, least_work).unwrap();
+        let mut cholesky = prepared(&lower, smallest, least_work);
         prop_assert!(error(&mut cholesky, &lower, 2) < 1e-11);
     }
 }

@@ -10,7 +10,7 @@ use crate::solver::cholesky::supernodes::{NONE, Supernodes};
 const SHARE: f64 = 1.0 / 48.0;
 
 /// A part of the elimination tree: a supernode with all below it, but for other units.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(super) struct Unit {
     /// In order of elimination; the last one is the root.
     pub nodes: Vec<Node>,
@@ -35,7 +35,7 @@ pub(super) struct Unit {
 }
 
 /// A supernode of a unit.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
     /// First column, number of columns, and rows of its front, its columns included.
     pub column: usize,
@@ -52,7 +52,7 @@ pub(super) struct Node {
 }
 
 /// A supernode whose update goes to another's front.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Child {
     /// The unit whose root it is, if that is another one.
     pub unit: Option<u32>,
@@ -95,8 +95,7 @@ fn owners(nodes: &Supernodes, least_work: f64) -> (Vec<u32>, usize) {
     let above = |node: usize| (nodes.parents[node] as usize).min(nodes.len());
     let mut work = vec![0.0; nodes.len() + 1];
     for node in 0..nodes.len() {
-        let height = (nodes.width(node) + nodes.rows(node).len()) as f64;
-        work[node] += nodes.width(node) as f64 * height * height;
+        work[node] += nodes.work(node);
         work[above(node)] += work[node];
     }
     let least = least_work.max(SHARE * work[nodes.len()]);

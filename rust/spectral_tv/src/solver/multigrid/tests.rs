@@ -6,7 +6,7 @@ use sprs::CsMatI;
 use crate::error::Error;
 use crate::monitor::Monitor;
 use crate::solver::multigrid::examples::{irregular, lattice, random, system_of};
-use crate::solver::{Cholesky, Demand, LinearSolver, Multigrid, Solver};
+use crate::solver::{Analysis, Cholesky, Demand, LinearSolver, Multigrid, Solver};
 
 fn functions(channels: usize, size: usize) -> Array2<f64> {
     let noise = random::<4>(channels * size, 9);
@@ -30,8 +30,9 @@ fn solved(
 }
 
 fn factorized(lower: &CsMatI<f64, u32>, right: &Array2<f64>) -> Array2<f64> {
-    let mut cholesky = Cholesky::analyse(lower).unwrap();
-    cholesky.factorize(lower).unwrap();
+    let monitor = Monitor::new();
+    let mut cholesky = Cholesky::analyse(lower, monitor.whole()).unwrap();
+    cholesky.factorize(lower, monitor.whole()).unwrap();
     let mut solution = right.clone();
     cholesky.solve_in_place(&mut solution);
     solution
@@ -114,8 +115,9 @@ fn what_does_not_converge_is_factorized() {
         solutions: 1,
         channels: 1,
     };
-    let mut solver =
-        LinearSolver::new(lower.clone(), Solver::Multigrid, demand, monitor.whole()).unwrap();
+    let (choice, analysis) = (Solver::Multigrid, Analysis::default());
+    let stage = monitor.whole();
+    let mut solver = LinearSolver::new(lower.clone(), &analysis, choice, demand, stage).unwrap();
     let couplings: Vec<f64> = lower.data().iter().map(|value| -value).collect();
     solver
         .set_matrix(&masses, &couplings, 1.0, monitor.whole())

@@ -1,0 +1,236 @@
+//! Orders of elimination by nested dissection (George 1973): both sides of a separator, which do
+//! not know of each other, and then the separator.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::amd;
+use sprs::CsMatI;
+
+use crate::error::{Error, Result};
+use crate::monitor::Stage;
+use crate::solver::cholesky::separator::{Side, separate};
+use crate::solver::graph::Graph;
+
+/// Share of a part's vertices that a cut leaves on either side, and, on both sides of it, of those
+/// among which a separator is looked for.
+const LEAST_SHARE: f64 = 0.25;
+const BAND: f64 = 0.15;
+
+/// An order of elimination for matrices with the pattern of `lower`, in which parts of up to
+/// `smallest` vertices are ordered by approximate minimum degree.
+///
+/// # Errors
+/// [`Error::Solver`] if the index range does not suffice, or [`Error::Cancelled`].
+pub(super) fn order(lower: &CsMatI<f64, u32>, smallest: usize, stage: Stage) -> Result<Vec<u32>> {
+    let whole = Part::whole(Graph::new(lower));
+    let mut order = vec![0; lower.cols()];
+    dissect(&whole, smallest, &mut order, stage)?;
+    Ok(order)
+}
+
+fn dissect(part: &Part, smallest: usize, order: &mut [u32], stage: Stage) -> Result<()> {
+    stage.check()?;
+    if part.len() <= smallest {
+        return part.by_degree(order);
+    }
+    let sides = bisect(part);
+    let parts = [Side::First, Side::Second].map(|side| part.restricted_to(side, &sides));
+    let [first, second] = &parts;
+    if first.len().min(second.len()) == 0 {
+        return part.by_degree(order);
+    }
+    let (first_order, rest) = order.split_at_mut(first.len());
+    let (second_order, separator) = rest.split_at_mut(second.len());
+    let between = (0..part.len()).filter(|&vertex| sides[vertex] == Side::Between);
+    for (place, vertex) in separator.iter_mut().zip(between) {
+        *place = part.vertices[vertex];
+    }
+    let (one, other) = rayon::join(
+        || dissect(first, smallest, first_order, stage),
+        || dissect(second, smallest, second_order, stage),
+    );
+    one.and(other)
+}
+
+/// Two sides of a part, and what is between them.
+fn bisect(part: &Part) -> Vec<Side> {
+    let size = part.len();
+    let (_, order, ends) = part.rings(None);
+    if ends.len() > 1 {
+        // Between components, where both sides have most alike many vertices.
+        let &end = ends
+            .iter()
+            .min_by_key(|end| end.abs_diff(size / 2))
+            .expect("there are some");
+        let mut sides = vec![Side::First; size];
+        for &vertex in &order[end..] {
+            sides[vertex as usize] = Side::Second;
+        }
+        return sides;
+    }
+    // Between two ends: the farther from one and the nearer to the other, the later.
+    let (from_one, order, _) = part.rings(Some(order[size - 1]));
+    let (from_other, _, _) = part.rings(Some(order[size - 1]));
+    let key = |vertex: usize| size as u32 + from_one[vertex] - from_other[vertex];
+    let mut order: Vec<u32> = (0..size as u32).collect();
+    order.sort_by_cached_key(|&vertex| key(vertex as usize));
+    let mut places = vec![0; size];
+    for (place, &vertex) in order.iter().enumerate() {
+        places[vertex as usize] = place;
+    }
+    let cut = best_cut(part, &places);
+    let band = ((BAND * size as f64) as usize).max(1);
+    let (begin, end) = (cut.saturating_sub(band).max(1), (cut + band).min(size - 1));
+    // The separator will be near to the first side: it shall be the larger one.
+    let is_turned = 2 * cut < size;
+    let side = |vertex: usize| match (places[vertex], is_turned) {
+        (place, _) if (begin..end).contains(&place) => Side::Between,
+        (place, turned) if (place < begin) != turned => Side::First,
+        _ => Side::Second,
+    };
+    let mut sides: Vec<Side> = (0..size).map(side).collect();
+    separate(part, &mut sides);
+    sides
+}
+
+/// The number of vertices before the cut with the fewest edges across for the sizes of its sides.
+fn best_cut(part: &Part, places: &[usize]) -> usize {
+    let size = part.len();
+    let mut changes = vec![0_i64; size];
+    for (vertex, &place) in places.iter().enumerate() {
+        for &other in part.neighbours_of(vertex) {
+            changes[place] += match places[other as usize] > place {
+                true => 1,
+                false => -1,
+            };
+        }
+    }
+    let least = (LEAST_SHARE * size as f64) as usize;
+    let mut across = 0;
+    let mut best = (f64::INFINITY, size / 2);
+    for (place, change) in changes.iter().enumerate() {
+        let before = place + 1;
+        across += change;
+        if before >= least && size - before >= least {
+            let cost = across as f64 / (before as f64 * (size - before) as f64);
+            if cost < best.0 {
+                best = (cost, before);
+            }
+        }
+    }
+    best.1
+}
+
+/// A part of a graph.
+pub(super) struct Part {
+    /// The caller's index of each vertex.
+    vertices: Vec<u32>,
+    starts: Vec<u32>,
+    neighbours: Vec<u32>,
+}
+
+impl Part {
+    /// All of a graph.
+    pub fn whole(graph: Graph) -> Self {
+        let neighbours = graph.neighbours.iter();
+        Self {
+            vertices: (0..graph.starts.len() as u32 - 1).collect(),
+            neighbours: neighbours.map(|neighbour| neighbour.0).collect(),
+            starts: graph.starts,
+        }
+    }
+
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// The neighbours of one, ascending.
+    pub fn neighbours_of(&self, vertex: usize) -> &[u32] {
+        &self.neighbours[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+
+    /// Whether one has a neighbour on a side.
+    pub fn touches(&self, vertex: usize, side: Side, sides: &[Side]) -> bool {
+        let mut neighbours = self.neighbours_of(vertex).iter();
+        neighbours.any(|&other| sides[other as usize] == side)
+    }
+
+    /// The distance of every vertex from the seed of its component, the vertices ring by ring, and
+    /// where in these each component ends. With a seed, of one component alone.
+    fn rings(&self, seed: Option<u32>) -> (Vec<u32>, Vec<u32>, Vec<usize>) {
+        let mut distances = vec![u32::MAX; self.len()];
+        let mut order = Vec::with_capacity(self.len());
+        let mut ends = Vec::new();
+        let seeds = match seed {
+            Some(seed) => seed..seed + 1,
+            None => 0..self.len() as u32,
+        };
+        for seed in seeds {
+            if distances[seed as usize] != u32::MAX {
+                continue;
+            }
+            let mut next = order.len();
+            distances[seed as usize] = 0;
+            order.push(seed);
+            while let Some(&vertex) = order.get(next) {
+                next += 1;
+                for &other in self.neighbours_of(vertex as usize) {
+                    if distances[other as usize] == u32::MAX {
+                        distances[other as usize] = distances[vertex as usize] + 1;
+                        order.push(other);
+                    }
+                }
+            }
+            ends.push(order.len());
+        }
+        (distances, order, ends)
+    }
+
+    /// What of it is on one side.
+    fn restricted_to(&self, side: Side, sides: &[Side]) -> Self {
+        let mut places = vec![0; self.len()];
+        let mut own = Vec::new();
+        for vertex in (0..self.len()).filter(|&vertex| sides[vertex] == side) {
+            places[vertex] = own.len() as u32;
+            own.push(vertex);
+        }
+        let mut starts = Vec::with_capacity(own.len() + 1);
+        let mut neighbours = Vec::new();
+        starts.push(0);
+        for &vertex in &own {
+            let all = self.neighbours_of(vertex).iter();
+            let kept = all.filter(|&&other| sides[other as usize] == side);
+            neighbours.extend(kept.map(|&other| places[other as usize]));
+            starts.push(neighbours.len() as u32);
+        }
+        Self {
+            vertices: own.iter().map(|&vertex| self.vertices[vertex]).collect(),
+            starts,
+            neighbours,
+        }
+    }
+
+    /// Orders by approximate minimum degree (Amestoy, Davis, Duff 1996).
+    fn by_degree(&self, order: &mut [u32]) -> Result<()> {
+        let size = self.len();
+        let (mut places, mut inverse) = (vec![0_u32; size], vec![0_u32; size]);
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.neighbours);
+        let request = amd::order_scratch::<u32>(size, self.neighbours.len());
+        let mut memory = MemBuffer::new(request);
+        let stack = MemStack::new(&mut memory);
+        amd::order(
+            &mut places,
+            &mut inverse,
+            pattern,
+            amd::Control::default(),
+            stack,
+        )
+        .map_err(|error| Error::Solver(format!("ordering failed: {error:?}")))?;
+        for (place, &vertex) in order.iter_mut().zip(&places) {
+            *place = self.vertices[vertex as usize];
+        }
+        Ok(())
+    }
+}
