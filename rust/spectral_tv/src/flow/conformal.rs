@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use ndarray::{Array2, ArrayView2};
+use rayon::prelude::*;
 
 use crate::error::{Error, Result, has_usable_size};
 use crate::flow::law::Law;
@@ -13,6 +14,9 @@ use crate::mesh::{TriangleMesh, barycentric_areas};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
 use crate::solver::Solver;
+
+/// Faces that are worth handing to another thread.
+const CHUNK: usize = 1 << 12;
 
 /// Past extinction areas vanish and the systems turn singular; these keep them solvable.
 /// Relative to the initial shape.
@@ -69,7 +73,8 @@ impl Law for ConformalLaplace {
     fn masses(&self, values: ArrayView2<f64>) -> Option<Vec<f64>> {
         let face_areas: Vec<f64> = self
             .triangles
-            .iter()
+            .par_iter()
+            .with_min_len(CHUNK)
             .map(|&corners| embedded_area(values, corners))
             .collect();
         let mut masses = barycentric_areas(values.ncols(), &self.triangles, &face_areas);

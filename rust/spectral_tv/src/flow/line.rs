@@ -20,6 +20,19 @@ pub(super) struct Line<'a> {
 }
 
 impl Line<'_> {
+    /// [`Self::slope`] for α = 0, given the `weights` there.
+    pub fn slope_at_start(&self, weights: &[f64]) -> f64 {
+        let parts = weights
+            .par_chunks(CHUNK)
+            .enumerate()
+            .map(|(chunk, weights)| {
+                let faces = (chunk * CHUNK..).zip(weights);
+                let terms = faces.map(|(f, weight)| self.areas[f] * weight * self.along[f]);
+                terms.sum::<f64>()
+            });
+        parts.collect::<Vec<_>>().iter().sum()
+    }
+
     /// d/dα Σ_f A Ψ(|∇(u + α δ)|), Ψ′(n) = n w(n).
     pub fn slope(&self, alpha: f64) -> f64 {
         let starts = (0..self.areas.len()).into_par_iter().step_by(CHUNK);

@@ -4,8 +4,10 @@
 //! Long steps lose it to rounding, all the more on components that are small: M is then nothing
 //! beside τ L, and in single precision far sooner than in double.
 
+use std::ops::Range;
+
 use ndarray::parallel::prelude::*;
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice, Zip};
 
 use crate::flow::time_step::TimeStep;
 use crate::mesh::{component_count, components_of};
@@ -13,8 +15,8 @@ use crate::operators::Discretization;
 
 /// The components of a mesh.
 pub(super) struct Means {
-    /// The component of every vertex.
-    labels: Vec<u32>,
+    /// Vertices that stand together in memory, and their component.
+    runs: Vec<(Range<usize>, usize)>,
     count: usize,
 }
 
@@ -24,9 +26,15 @@ impl Means {
         let gradient = operators.gradient();
         let vertices = operators.masses().len();
         let labels = components_of(vertices, gradient.triangles(), gradient.face_areas());
+        let mut end = 0;
+        let run = |of: &[u32]| {
+            let start = end;
+            end += of.len();
+            (start..end, of[0] as usize)
+        };
         Self {
             count: component_count(&labels),
-            labels,
+            runs: labels.chunk_by(|a, b| a == b).map(run).collect(),
         }
     }
 
@@ -44,28 +52,25 @@ impl Means {
         let rows = rows.zip(step.data.axis_iter(Axis(0)).into_par_iter());
         let rows = rows.zip(state.axis_iter(Axis(0)).into_par_iter());
         let shifts = rows.map(|((mut increment, data), state)| {
+            let part = |run: &Range<usize>| Slice::from(run.clone());
             // Of each component what is missing, its mass, and its largest increment.
             let mut sums = vec![[0.0_f64; 3]; self.count];
-            let (mut of, mut missing, mut mass) = (0, 0.0, 0.0);
-            let vertices = self.labels.iter().zip(masses);
-            let values = increment.iter().zip(data.iter().zip(&state));
-            for ((&label, m), (x, (data, state))) in vertices.zip(values) {
-                // Neighbours in memory are mostly of one component.
-                if label != of {
-                    sums[of as usize][0] += std::mem::take(&mut missing);
-                    sums[of as usize][1] += std::mem::take(&mut mass);
-                    of = label;
-                }
-                missing += m * (data - state - x);
-                mass += m;
+            let off = Zip::from(&increment)
+                .and(data)
+                .and(state)
+                .map_collect(|x, data, state| data - state - x);
+            for (run, component) in &self.runs {
+                let masses = ArrayView1::from(&masses[run.clone()]);
+                sums[*component][0] += off.slice_axis(Axis(0), part(run)).dot(&masses);
+                sums[*component][1] += masses.sum();
             }
-            sums[of as usize][0] += missing;
-            sums[of as usize][1] += mass;
             sums.iter_mut().for_each(|sum| sum[0] /= sum[1]);
-            for (&label, x) in self.labels.iter().zip(&mut increment) {
-                let [shift, _, largest] = &mut sums[label as usize];
-                *x += *shift;
-                *largest = largest.max(x.abs());
+            for (run, component) in &self.runs {
+                let [shift, _, largest] = &mut sums[*component];
+                let mut increment = increment.slice_axis_mut(Axis(0), part(run));
+                increment += *shift;
+                let size = increment.fold(0.0_f64, |max, x| max.max(x.abs()));
+                *largest = largest.max(size);
             }
             let relative = |[shift, _, largest]: &[f64; 3]| match *shift == 0.0 {
                 true => 0.0,

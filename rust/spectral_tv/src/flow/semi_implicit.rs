@@ -262,7 +262,8 @@ impl<'a> StepSolver<'a> {
         let gradient = self.operators.gradient();
         let norms = gradient.norms(state.view());
         self.stage.check()?;
-        let force = self.force(&norms, state.view())?;
+        let mut force = self.force(&norms, state.view())?;
+        let weights = std::mem::take(&mut force.weights);
         let descent = force.residual(step, masses, state.view());
         let direction = self.increment(descent.clone(), step, masses, state.view(), None)?;
         let products = descent.iter().zip(&direction).map(|(a, b)| a * b);
@@ -287,7 +288,8 @@ impl<'a> StepSolver<'a> {
                 .map(|(value, mass)| mass * value * value);
             quadratic += terms.sum::<f64>();
         }
-        let linear = start - step.tau * line.slope(0.0);
+        let linear = start - step.tau * line.slope_at_start(&weights);
+        drop(weights);
         let slope = |alpha: f64| linear + alpha * quadratic + step.tau * line.slope(alpha);
         state.scaled_add(least_along(start, slope), &direction);
         self.stage.check()?;

@@ -7,12 +7,12 @@ use crate::memory::NUMBER;
 use crate::mesh::TriangleMesh;
 
 /// Bytes per vertex of a flow beside its states, where systems are factorized or iterated on.
-const FACTORIZED: u64 = 2650;
+const FACTORIZED: u64 = 2200;
 const ITERATED: u64 = 1450;
 /// The same of eigenpairs beside their functions.
 const LANCZOS: u64 = 3400;
 /// The same of the pair of surfaces that a flow on a base holds.
-const BASE: u64 = 900;
+const BASE: u64 = 500;
 
 /// How large a mesh is, for what is held of its vertices and triangles: V, or F/4 if that is more: most have 2 V triangles, an image's grid 4 V.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

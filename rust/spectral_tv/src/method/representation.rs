@@ -8,7 +8,7 @@ use crate::mesh::TriangleMesh;
 use crate::method::{Displacement, Method, Metric};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
-use crate::solver::Solver;
+use crate::solver::{Demand, Solver};
 
 /// One function, and the law of its flow.
 pub(super) struct Flowed {
@@ -66,6 +66,12 @@ impl Representation {
                 values: shape,
             }],
             Method::DirectionalTv { base, metric } => {
+                // What is prepared for the flow serves the base and the signs, too.
+                let demand = Demand {
+                    solutions: 1,
+                    channels: 1,
+                };
+                let solver = operators.pattern().chosen(solver, demand)?;
                 let base = base.shape(mesh, operators, solver, stage)?;
                 let found = Displacement::between(mesh, operators, base, solver, stage)?;
                 let flowed = match metric {

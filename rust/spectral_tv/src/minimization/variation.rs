@@ -1,9 +1,14 @@
 //! Ψ: how a gradient of size n = |∇u| counts.
 
+use std::ops::RangeInclusive;
+
 use rayon::prelude::*;
 
 /// Faces that are worth handing to another thread.
 const CHUNK: usize = 1 << 13;
+
+/// Values of ε that can be squared; gradients that can not are refused before.
+const PLAIN: RangeInclusive<f64> = 1e-145..=1e145;
 
 /// Total variation, smoothed where the gradient vanishes and, if asked, held back where it is
 /// steep: Ψ′(n) = n/√(n² + ε²), which is about 1, up to n = g and n/g beyond.
@@ -30,12 +35,19 @@ impl Variation {
 
     /// w = Ψ′(n)/n of every face.
     pub fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        let weight = |norm: &f64| self.smoothed_norm(*norm).min(self.steepest).recip();
-        gradient_norms
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map(weight)
-            .collect()
+        let norms = gradient_norms.par_iter().with_min_len(CHUNK);
+        let weight = |smoothed: f64| smoothed.min(self.steepest).recip();
+        match PLAIN.contains(&self.epsilon) {
+            true => {
+                let square = self.epsilon * self.epsilon;
+                norms
+                    .map(|norm| weight((norm * norm + square).sqrt()))
+                    .collect()
+            }
+            false => norms
+                .map(|norm| weight(self.smoothed_norm(*norm)))
+                .collect(),
+        }
     }
 
     /// √(n² + ε²), as `hypot`, which is slower and in nothing better here.

@@ -17,12 +17,12 @@ const CHUNK: usize = 1 << 13;
 /// The edges of a mesh, with the faces and the neighbours at each.
 #[derive(Debug, Clone)]
 pub struct EdgeLaplacian {
-    /// First face of each entry of the pattern in `faces`, and their number at the end; none
-    /// for diagonal entries.
-    face_starts: Vec<u32>,
-    faces: Vec<u32>,
-    /// −A ⟨∇λ, ∇λ′⟩ on these faces, for the hat functions of the edge's ends.
-    cotangents: Vec<f64>,
+    /// The first two faces at each entry of the pattern, and −A ⟨∇λ, ∇λ′⟩ on them, for the hat
+    /// functions of the edge's ends; 0 for what there is not, as at diagonal entries.
+    faces: Vec<[u32; 2]>,
+    cotangents: Vec<[f64; 2]>,
+    /// The same for further faces, with the entry and the face: edges are rarely non-manifold.
+    further: Vec<(u32, u32, f64)>,
     /// First neighbour of each vertex, and their number at the end.
     starts: Vec<u32>,
     /// The neighbours, and their entries of the pattern.
@@ -36,21 +36,35 @@ impl EdgeLaplacian {
     /// [`crate::Error::Cancelled`].
     pub fn new(gradient: &Gradient, pattern: &LaplacianPattern, stage: Stage) -> Result<Self> {
         let edges = pattern.edge_entries();
-        let (face_starts, order) = grouped(edges.as_flattened(), pattern.entry_count(), stage)?;
-        let cotangent = |&corner: &u32| {
+        let (starts, order) = grouped(edges.as_flattened(), pattern.entry_count(), stage)?;
+        let cotangent = |corner: u32| {
             let (face, corner) = (corner as usize / 3, corner as usize % 3);
             let hats = &gradient.hats()[face];
             let (p, q) = (hats[(corner + 1) % 3], hats[(corner + 2) % 3]);
             -gradient.face_areas()[face] * (p[0] * q[0] + p[1] * q[1])
         };
+        let corners = |ends: &[u32]| &order[ends[0] as usize..ends[1] as usize];
+        stage.check()?;
+        let both = |ends: &[u32], which: usize| corners(ends).get(which).copied();
+        let entries = starts.par_windows(2).with_min_len(CHUNK);
+        let faces =
+            entries.map(|ends| [0, 1].map(|i| both(ends, i).map_or(0, |corner| corner / 3)));
+        let faces = faces.collect();
+        stage.check()?;
+        let entries = starts.par_windows(2).with_min_len(CHUNK);
+        let cotangents = entries.map(|ends| [0, 1].map(|i| both(ends, i).map_or(0.0, cotangent)));
+        let cotangents = cotangents.collect();
+        stage.check()?;
+        let mut further = Vec::new();
+        stage.for_each(starts.windows(2).enumerate(), |(entry, ends)| {
+            let corners = corners(ends).iter().skip(2);
+            further.extend(corners.map(|&corner| (entry as u32, corner / 3, cotangent(corner))));
+        })?;
         let (starts, neighbours) = pattern.neighbours(stage)?;
-        stage.check()?;
-        let cotangents = order.par_iter().map(cotangent).collect();
-        stage.check()?;
         Ok(Self {
+            faces,
             cotangents,
-            faces: order.par_iter().map(|corner| corner / 3).collect(),
-            face_starts,
+            further,
             starts,
             neighbours,
         })
@@ -58,20 +72,20 @@ impl EdgeLaplacian {
 
     /// c of every entry of the pattern for the weights w of the faces; 0 for diagonal entries.
     pub fn couplings(&self, weights: &[f64]) -> Vec<f64> {
-        let coupling = |bounds: &[u32]| {
-            let faces = bounds[0] as usize..bounds[1] as usize;
-            let terms = self.faces[faces.clone()]
-                .iter()
-                .zip(&self.cotangents[faces]);
-            terms
-                .map(|(&face, cotangent)| cotangent * weights[face as usize])
-                .sum()
+        if weights.is_empty() {
+            return vec![0.0; self.faces.len()];
+        }
+        let coupling = |(faces, cotangents): (&[u32; 2], &[f64; 2])| {
+            let [a, b] = faces.map(|face| weights[face as usize]);
+            cotangents[0] * a + cotangents[1] * b
         };
-        self.face_starts
-            .par_windows(2)
-            .with_min_len(CHUNK)
-            .map(coupling)
-            .collect()
+        let entries = self.faces.par_iter().zip(&self.cotangents);
+        let entries = entries.with_min_len(CHUNK).map(coupling);
+        let mut couplings: Vec<f64> = entries.collect();
+        for &(entry, face, cotangent) in &self.further {
+            couplings[entry as usize] += cotangent * weights[face as usize];
+        }
+        couplings
     }
 
     /// L u for `values` u (C, V).

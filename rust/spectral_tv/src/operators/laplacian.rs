@@ -114,6 +114,14 @@ impl LaplacianPattern {
         LinearSolver::new(self.zeros(), &self.analysis, choice, demand, stage)
     }
 
+    /// Which solver `choice` means for what is demanded of matrices of the pattern.
+    ///
+    /// # Errors
+    /// As [`Solver::chosen`].
+    pub fn chosen(&self, choice: Solver, demand: Demand) -> Result<Solver> {
+        choice.chosen(&self.zeros(), &self.analysis, demand)
+    }
+
     /// Room for the factor of a matrix.
     ///
     /// # Errors

@@ -12,16 +12,17 @@ use crate::solver::{Analysis, Cholesky, Multigrid};
 /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
 /// exact.
 const SMALL: usize = 10_000;
-/// Number of unknowns from which a factorization takes half as much memory again as multigrid,
-/// and up to a tenth of a second that nothing interrupts.
+/// Number of unknowns from which a factorization takes half as much memory again as multigrid.
 const LARGE: usize = 100_000;
 /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
 /// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
 /// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
-/// same, and an even lattice 67 at 17 000, where multigrid takes two thirds.
+/// same, and an even lattice 67 at 17 000, where multigrid takes two thirds. All of this in
+/// orders of minimum degree, whichever is taken.
 const LARGE_FILL: f64 = 50.0;
 /// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
-/// much as the first, and where they are of single functions, which do not fill its registers.
+/// much as the first, and twice as many where they are of single functions, which do not fill its
+/// registers.
 const MORE_FILL: f64 = 12.0;
 
 /// Entries that are worth handing to another thread.
@@ -35,7 +36,7 @@ pub enum Solver {
     Auto,
     /// By factorization: exact to rounding, for small meshes and as the reference.
     Cholesky,
-    /// By conjugate gradients with multigrid: linear in time and memory, can be interrupted.
+    /// By conjugate gradients with multigrid: linear in time and memory.
     Multigrid,
 }
 
@@ -47,6 +48,29 @@ impl Solver {
             Self::Cholesky => false,
             Self::Multigrid => true,
         }
+    }
+
+    /// Which of the two it is for what is demanded of matrices with the pattern of `lower`,
+    /// which has this `analysis`.
+    ///
+    /// # Errors
+    /// [`Error::Solver`] if the index range does not suffice.
+    pub fn chosen(
+        self,
+        lower: &CsMatI<f64, u32>,
+        analysis: &Analysis,
+        demand: Demand,
+    ) -> Result<Self> {
+        let size = lower.cols();
+        let is_direct = match self {
+            Self::Auto if size >= LARGE => false,
+            Self::Auto => size <= SMALL || analysis.fill(lower)? < demand.largest_fill(),
+            _ => return Ok(self),
+        };
+        Ok(match is_direct {
+            true => Self::Cholesky,
+            false => Self::Multigrid,
+        })
     }
 }
 
@@ -62,8 +86,8 @@ pub struct Demand {
 impl Demand {
     fn largest_fill(self) -> f64 {
         match (self.solutions, self.channels) {
-            (..=1, _) => LARGE_FILL,
             (_, 1) => LARGE_FILL + 2.0 * MORE_FILL,
+            (..=1, _) => LARGE_FILL,
             _ => LARGE_FILL + MORE_FILL,
         }
     }
@@ -96,17 +120,11 @@ impl LinearSolver {
         stage: Stage,
     ) -> Result<Self> {
         stage.check()?;
-        let size = lower.cols();
-        let is_direct = match solver {
-            Solver::Multigrid => false,
-            Solver::Auto if size >= LARGE => false,
-            Solver::Auto => size <= SMALL || analysis.fill(&lower)? < demand.largest_fill(),
-            Solver::Cholesky => true,
-        };
+        let chosen = solver.chosen(&lower, analysis, demand)?;
         stage.check()?;
-        let (multigrid, cholesky) = match is_direct {
-            true => (None, Some(Cholesky::new(&lower, analysis, stage)?)),
-            false => (Some(Multigrid::analyse(&lower, stage)?), None),
+        let (multigrid, cholesky) = match chosen == Solver::Multigrid {
+            true => (Some(Multigrid::analyse(&lower, stage)?), None),
+            false => (None, Some(Cholesky::new(&lower, analysis, stage)?)),
         };
         Ok(Self {
             masses: vec![0.0; lower.cols()],

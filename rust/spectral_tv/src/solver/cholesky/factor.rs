@@ -9,7 +9,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::error::Result;
-use crate::memory::zeros;
 use crate::monitor::Stage;
 use crate::solver::cholesky::front::{eliminate, subtract_square};
 use crate::solver::cholesky::tree::upward;
@@ -17,6 +16,7 @@ use crate::solver::cholesky::units::Unit;
 use crate::solver::cholesky::wide;
 
 /// The numbers of one unit.
+#[derive(Debug)]
 pub(super) struct Numbers {
     /// The columns of L, supernode by supernode.
     pub panels: Vec<f64>,
@@ -28,15 +28,12 @@ pub(super) struct Numbers {
 
 impl Numbers {
     /// For a unit.
-    ///
-    /// # Errors
-    /// [`crate::Error::Memory`].
-    pub fn new(unit: &Unit, what: &str, advice: &str) -> Result<Self> {
-        Ok(Self {
-            panels: zeros(unit.panel_length, what, advice)?,
-            stack: zeros(unit.stack_length, what, advice)?,
+    pub fn new(unit: &Unit) -> Self {
+        Self {
+            panels: vec![0.0; unit.panel_length],
+            stack: vec![0.0; unit.stack_length],
             lanes: Vec::new(),
-        })
+        }
     }
 }
 

@@ -18,12 +18,13 @@ mod tree;
 mod units;
 mod wide;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use ndarray::{Array2, Axis};
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
+use crate::memory::{self, NUMBER};
 use crate::monitor::Stage;
 use factor::Numbers;
 use supernodes::Supernodes;
@@ -53,7 +54,12 @@ const LARGE: usize = 100_000;
 pub struct Analysis {
     by_degree: OnceLock<Supernodes>,
     units: OnceLock<Arc<[Unit]>>,
+    spare: Spare,
 }
+
+/// Room that a factorization left, for the next one: to have it from the system takes as long as
+/// a factorization.
+type Spare = Arc<Mutex<Option<Vec<Numbers>>>>;
 
 impl Analysis {
     /// Entries that the factor has in each row, on average, in an order of approximate minimum
@@ -99,6 +105,15 @@ pub struct Cholesky {
     units: Arc<[Unit]>,
     numbers: Vec<Numbers>,
     is_factorized: bool,
+    spare: Spare,
+}
+
+impl Drop for Cholesky {
+    fn drop(&mut self) {
+        if let Ok(mut spare) = self.spare.lock() {
+            *spare = Some(std::mem::take(&mut self.numbers));
+        }
+    }
 }
 
 impl Cholesky {
@@ -108,7 +123,8 @@ impl Cholesky {
     /// [`Error::Memory`], [`Error::Solver`] if the index range does not suffice, or
     /// [`Error::Cancelled`].
     pub fn new(lower: &CsMatI<f64, u32>, analysis: &Analysis, stage: Stage) -> Result<Self> {
-        Self::in_units(analysis.units(lower, stage)?)
+        let units = analysis.units(lower, stage)?;
+        Self::in_units(units, Arc::clone(&analysis.spare))
     }
 
     /// The same for a pattern that nothing is known of.
@@ -119,12 +135,23 @@ impl Cholesky {
         Self::new(lower, &Analysis::default(), stage)
     }
 
-    fn in_units(units: Arc<[Unit]>) -> Result<Self> {
-        let numbers = units.iter().map(|unit| Numbers::new(unit, WHAT, ADVICE));
+    fn in_units(units: Arc<[Unit]>, spare: Spare) -> Result<Self> {
+        let left = spare.lock().ok().and_then(|mut spare| spare.take());
+        let numbers = match left {
+            Some(numbers) => numbers,
+            None => {
+                let sizes = units
+                    .iter()
+                    .map(|unit| unit.panel_length + unit.stack_length);
+                memory::check(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
+                units.iter().map(Numbers::new).collect()
+            }
+        };
         Ok(Self {
-            numbers: numbers.collect::<Result<_>>()?,
+            numbers,
             units,
             is_factorized: false,
+            spare,
         })
     }
 

@@ -42,7 +42,7 @@ impl Supernodes {
     /// # Errors
     /// [`Error::Solver`] if the index range does not suffice.
     pub fn by_degree(lower: &CsMatI<f64, u32>) -> Result<Self> {
-        Self::with_ordering(lower, SymmetricOrdering::Amd)?.in_postorder(lower)
+        Ok(Self::with_ordering(lower, SymmetricOrdering::Amd)?.in_postorder())
     }
 
     /// In an order of nested dissection, likewise; parts of up to `smallest` vertices are ordered
@@ -52,14 +52,7 @@ impl Supernodes {
     /// [`Error::Solver`] if the index range does not suffice, or [`Error::Cancelled`].
     pub fn by_dissection(lower: &CsMatI<f64, u32>, smallest: usize, stage: Stage) -> Result<Self> {
         let order = dissection::order(lower, smallest, stage)?;
-        Self::with_order(lower, &order)?.in_postorder(lower)
-    }
-
-    fn in_postorder(self, lower: &CsMatI<f64, u32>) -> Result<Self> {
-        match self.postorder() {
-            Some(order) => Self::with_order(lower, &order),
-            None => Ok(self),
-        }
+        Ok(Self::with_order(lower, &order)?.in_postorder())
     }
 
     fn with_order(lower: &CsMatI<f64, u32>, order: &[u32]) -> Result<Self> {
@@ -151,9 +144,49 @@ impl Supernodes {
         firsts
     }
 
-    /// An order in which what is below a supernode stands together, right before it; `None` if
-    /// the one at hand is such an order.
-    fn postorder(&self) -> Option<Vec<u32>> {
+    /// The same in an order in which what is below a supernode stands together, right before it.
+    fn in_postorder(self) -> Self {
+        let Some(sequence) = self.postorder() else {
+            return self;
+        };
+        let mut columns = vec![0; self.order.len()];
+        let mut indices = vec![0; self.len()];
+        let (mut begins, mut order) = (vec![0], Vec::with_capacity(self.order.len()));
+        for (index, &node) in sequence.iter().enumerate() {
+            indices[node] = index as u32;
+            for column in self.begins[node]..self.begins[node + 1] {
+                columns[column as usize] = order.len() as u32;
+                order.push(self.order[column as usize]);
+            }
+            begins.push(order.len() as u32);
+        }
+        let (mut starts, mut rows) = (vec![0], Vec::with_capacity(self.rows.len()));
+        for &node in &sequence {
+            let first = rows.len();
+            rows.extend(self.rows(node).iter().map(|&row| columns[row as usize]));
+            rows[first..].sort_unstable();
+            starts.push(rows.len() as u32);
+        }
+        let above = |&node: &usize| match self.parents[node] {
+            NONE => NONE,
+            parent => indices[parent as usize],
+        };
+        Self {
+            places: self
+                .places
+                .iter()
+                .map(|&place| columns[place as usize])
+                .collect(),
+            parents: sequence.iter().map(above).collect(),
+            order,
+            begins,
+            starts,
+            rows,
+        }
+    }
+
+    /// The supernodes in such an order; `None` if the one at hand is one.
+    fn postorder(&self) -> Option<Vec<usize>> {
         let mut sizes = vec![1_u32; self.len()];
         for node in 0..self.len() {
             if self.parents[node] != NONE {
@@ -180,9 +213,6 @@ impl Supernodes {
         }
         let mut sequence: Vec<usize> = (0..self.len()).collect();
         sequence.sort_unstable_by_key(|&node| ends[node]);
-        let columns = sequence
-            .into_iter()
-            .flat_map(|node| self.begins[node]..self.begins[node + 1]);
-        Some(columns.map(|column| self.order[column as usize]).collect())
+        Some(sequence)
     }
 }
