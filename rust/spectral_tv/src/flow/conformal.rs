@@ -111,7 +111,7 @@ pub fn conformal_mean_curvature_flow(
             needs::Size::of(mesh),
             3,
             steps,
-            solver.is_iterative(vertices),
+            solver.is_iterative(vertices, Weights::Lagged.demand(3)),
         ),
         &format!("a conformal flow of {steps} steps on {vertices} vertices"),
         "take fewer steps, or a mesh of fewer vertices",

@@ -27,6 +27,20 @@ pub enum Weights {
     Extrapolated,
 }
 
+impl Weights {
+    /// What a flow of so many channels takes each matrix for.
+    pub(crate) fn demand(self, channels: usize) -> Demand {
+        let solutions = match self {
+            Self::Lagged => 1,
+            Self::Extrapolated => 2,
+        };
+        Demand {
+            solutions,
+            channels,
+        }
+    }
+}
+
 /// Shift of a component, relative to its largest increment, beyond which single precision has
 /// left too few digits of the rest.
 const LARGEST_SHIFT: f64 = 100.0;
@@ -104,13 +118,12 @@ impl<'a> StepSolver<'a> {
         stage: Stage<'a>,
     ) -> Result<Self> {
         operators.prepare_edges(stage)?;
-        let demand = Demand {
-            solutions: match weights {
-                Weights::Extrapolated if !law.is_linear() => 2,
-                _ => 1,
-            },
-            channels: initial.nrows(),
+        let weights = if law.is_linear() {
+            Weights::Lagged
+        } else {
+            weights
         };
+        let demand = weights.demand(initial.nrows());
         let magnifies = law.moves_masses() || initial.nrows() == 1;
         Ok(Self {
             tolerance: if magnifies { FINE_TOLERANCE } else { TOLERANCE },

@@ -93,10 +93,9 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
     check_steps(refined)?;
     let edges = even_edges(&times(most)?, request.bands)?;
     let operators = Discretization::new(mesh, stage)?;
-    let (method, solver) = (&settings.method, settings.solver);
     let share = stage.stage(0.0, REPRESENTATION_SHARE);
     let Representation { flows, along, .. } =
-        Representation::new(mesh, &operators, method, solver, share)?;
+        Representation::new(mesh, &operators, settings, share)?;
     let operators = along.map_or(operators, |(_, operators)| operators);
 
     let work = (refined + 2 * steps.iter().sum::<usize>()) as f64;

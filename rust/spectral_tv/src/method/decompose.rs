@@ -10,11 +10,11 @@ use crate::memory::{self, needs};
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::{FEWEST_STEPS, adapted, subdivided};
 use crate::method::representation::{Flowed, Representation};
-use crate::method::requirements::{check_memory, is_iterated};
+use crate::method::requirements::check_memory;
 use crate::method::{Base, Decomposition, Displacement, Method, default_times, relative_scales};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
-use crate::solver::Solver;
+use crate::solver::{Demand, Solver};
 use crate::spectral::SpectralTransform;
 
 /// Share of M3's progress that is given to its base.
@@ -34,6 +34,16 @@ pub enum Scheme {
         /// The relative gap, in (0, 1).
         tolerance: f64,
     },
+}
+
+impl Scheme {
+    /// What a flow of so many channels takes each matrix for; `None` where it makes its own.
+    pub(super) fn demand(self, channels: usize) -> Option<Demand> {
+        match self {
+            Self::SemiImplicit(weights) => Some(weights.demand(channels)),
+            Self::Exact { .. } => None,
+        }
+    }
 }
 
 /// How many steps are taken.
@@ -124,13 +134,7 @@ fn by_steps(
         flows,
         displacement,
         along,
-    } = Representation::new(
-        mesh,
-        operators,
-        &settings.method,
-        settings.solver,
-        stage.stage(0.0, share),
-    )?;
+    } = Representation::new(mesh, operators, settings, stage.stage(0.0, share))?;
     let used = along.as_ref().map_or(operators, |(_, operators)| operators);
     let flow = |times: &[f64], stage: Stage| run_flows(used, &flows, settings, times, stage);
     let times = |steps: usize| default_times(&settings.method, mesh.area(), steps);
@@ -229,7 +233,8 @@ pub fn run_flow(
         operators.masses().len(),
         operators.gradient().triangles().len(),
     );
-    let is_iterated = is_iterated(scheme, solver, values.ncols());
+    let demand = scheme.demand(values.nrows());
+    let is_iterated = demand.is_some_and(|demand| solver.is_iterative(values.ncols(), demand));
     let needed = needs::flow(size, values.nrows(), times.len(), is_iterated);
     let what = format!(
         "a flow of {} steps on {} vertices",

@@ -51,7 +51,7 @@ fn steps_worth(vertices: usize, settings: &Settings) -> f64 {
         Scheme::Exact { .. } => 3.0,
     };
     // Iterations are more work, shared between threads; single functions take more of them.
-    let is_iterated = is_iterated(settings.scheme, settings.solver, vertices);
+    let is_iterated = is_iterated(settings, vertices);
     let (step, single) = match is_iterated {
         true => (1.2 * step, 1.5),
         false => {

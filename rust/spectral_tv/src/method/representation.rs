@@ -5,10 +5,9 @@ use ndarray::{Array2, Axis};
 use crate::error::{Error, Result};
 use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
 use crate::mesh::TriangleMesh;
-use crate::method::{Displacement, Method, Metric};
+use crate::method::{Displacement, Method, Metric, Settings};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
-use crate::solver::{Demand, Solver};
 
 /// One function, and the law of its flow.
 pub(super) struct Flowed {
@@ -29,7 +28,7 @@ pub(super) struct Representation {
 }
 
 impl Representation {
-    /// The representation of `mesh` for `method`, M3's base made by `solver`.
+    /// The representation of `mesh` for the method and the flow of `settings`.
     ///
     /// # Errors
     /// If a setting of the method makes no sense or the method has no flow; or as
@@ -37,8 +36,7 @@ impl Representation {
     pub fn new(
         mesh: &TriangleMesh,
         operators: &Discretization,
-        method: &Method,
-        solver: Solver,
+        settings: &Settings,
         stage: Stage,
     ) -> Result<Self> {
         let tv_on = |operators: &Discretization, values: Array2<f64>| -> Result<Flowed> {
@@ -49,7 +47,7 @@ impl Representation {
         let shape = positions(mesh);
         let mut displacement = None;
         let mut along = None;
-        let flows = match method {
+        let flows = match &settings.method {
             Method::Heat => vec![Flowed {
                 law: Box::new(Heat),
                 values: shape,
@@ -67,11 +65,10 @@ impl Representation {
             }],
             Method::DirectionalTv { base, metric } => {
                 // What is prepared for the flow serves the base and the signs, too.
-                let demand = Demand {
-                    solutions: 1,
-                    channels: 1,
+                let solver = match settings.scheme.demand(1) {
+                    Some(demand) => operators.pattern().chosen(settings.solver, demand)?,
+                    None => settings.solver,
                 };
-                let solver = operators.pattern().chosen(solver, demand)?;
                 let base = base.shape(mesh, operators, solver, stage)?;
                 let found = Displacement::between(mesh, operators, base, solver, stage)?;
                 let flowed = match metric {

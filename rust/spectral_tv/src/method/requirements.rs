@@ -5,8 +5,7 @@ use crate::flow::check_steps;
 use crate::memory::{self, needs};
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::FEWEST_STEPS;
-use crate::method::{Method, Scheme, Settings, Steps};
-use crate::solver::Solver;
+use crate::method::{Method, Settings, Steps};
 
 /// For refusals.
 const ADVICE: &str = "take fewer steps, or a mesh of fewer vertices";
@@ -18,8 +17,10 @@ const FEWER: &str = "take fewer eigenpairs, or a mesh of fewer vertices";
 pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settings) -> u64 {
     let size = needs::Size::new(vertices, triangles);
     let steps = step_count(settings);
-    let is_iterated = is_iterated(settings.scheme, settings.solver, vertices);
-    let flow = |channels: usize, steps: usize| needs::flow(size, channels, steps, is_iterated);
+    let flow = |channels: usize, steps: usize| {
+        let is_iterated = is_iterated(settings, vertices);
+        needs::flow(size, channels, steps, is_iterated)
+    };
     match &settings.method {
         Method::Heat | Method::ShapeTv | Method::ConformalLaplace { .. } => flow(3, steps),
         // One by one, and then together.
@@ -41,10 +42,14 @@ pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settin
     }
 }
 
-/// Whether the systems of a flow on so many vertices are surely solved by iteration; those of exact
-/// steps are not.
-pub(super) fn is_iterated(scheme: Scheme, solver: Solver, vertices: usize) -> bool {
-    !matches!(scheme, Scheme::Exact { .. }) && solver.is_iterative(vertices)
+/// Whether the systems of a method's flow on so many vertices are surely solved by iteration.
+pub(super) fn is_iterated(settings: &Settings, vertices: usize) -> bool {
+    let channels = match settings.method {
+        Method::Naive | Method::DirectionalTv { .. } => 1,
+        _ => 3,
+    };
+    let demand = settings.scheme.demand(channels);
+    demand.is_some_and(|demand| settings.solver.is_iterative(vertices, demand))
 }
 
 /// Refuses a number of steps that no flow takes.
@@ -91,6 +96,8 @@ pub(super) fn check_memory(mesh: &TriangleMesh, settings: &Settings) -> Result<(
 mod tests {
     use super::*;
     use crate::flow::Weights;
+    use crate::method::Scheme;
+    use crate::solver::Solver;
 
     #[test]
     fn more_steps_vertices_and_eigenpairs_take_more() {

@@ -12,8 +12,11 @@ use crate::solver::{Analysis, Cholesky, Multigrid};
 /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
 /// exact.
 const SMALL: usize = 10_000;
-/// Number of unknowns from which a factorization takes half as much memory again as multigrid.
+/// Number of unknowns from which multigrid is taken without a look at their couplings, as it
+/// takes less memory, and for several solutions of single functions, where a factorization takes
+/// two thirds of the time up to a million unknowns, but half as much memory again.
 const LARGE: usize = 100_000;
+const HUGE: usize = 400_000;
 /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
 /// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
 /// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
@@ -21,8 +24,7 @@ const LARGE: usize = 100_000;
 /// orders of minimum degree, whichever is taken.
 const LARGE_FILL: f64 = 50.0;
 /// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
-/// much as the first, and twice as many where they are of single functions, which do not fill its
-/// registers.
+/// much as the first, and twice as many for single functions, which do not fill its registers.
 const MORE_FILL: f64 = 12.0;
 
 /// Entries that are worth handing to another thread.
@@ -42,9 +44,9 @@ pub enum Solver {
 
 impl Solver {
     /// Whether systems of so many unknowns are solved by iteration, whatever couples them.
-    pub fn is_iterative(self, unknowns: usize) -> bool {
+    pub fn is_iterative(self, unknowns: usize, demand: Demand) -> bool {
         match self {
-            Self::Auto => unknowns >= LARGE,
+            Self::Auto => unknowns >= demand.most_unknowns(),
             Self::Cholesky => false,
             Self::Multigrid => true,
         }
@@ -63,8 +65,12 @@ impl Solver {
     ) -> Result<Self> {
         let size = lower.cols();
         let is_direct = match self {
-            Self::Auto if size >= LARGE => false,
-            Self::Auto => size <= SMALL || analysis.fill(lower)? < demand.largest_fill(),
+            Self::Auto if size >= demand.most_unknowns() => false,
+            Self::Auto if size <= SMALL => true,
+            Self::Auto => match demand.largest_fill() {
+                Some(largest) => analysis.fill(lower)? < largest,
+                None => true,
+            },
             _ => return Ok(self),
         };
         Ok(match is_direct {
@@ -84,11 +90,21 @@ pub struct Demand {
 }
 
 impl Demand {
-    fn largest_fill(self) -> f64 {
+    /// Unknowns from which systems are iterated on.
+    fn most_unknowns(self) -> usize {
         match (self.solutions, self.channels) {
-            (_, 1) => LARGE_FILL + 2.0 * MORE_FILL,
-            (..=1, _) => LARGE_FILL,
-            _ => LARGE_FILL + MORE_FILL,
+            (2.., 1) => HUGE,
+            _ => LARGE,
+        }
+    }
+
+    /// Entries in a row of the factor from which systems are iterated on; `None` if never.
+    fn largest_fill(self) -> Option<f64> {
+        match (self.solutions, self.channels) {
+            (2.., 1) => None,
+            (..=1, 1) => Some(LARGE_FILL + 2.0 * MORE_FILL),
+            (..=1, _) => Some(LARGE_FILL),
+            _ => Some(LARGE_FILL + MORE_FILL),
         }
     }
 }

@@ -33,7 +33,7 @@ fn dissect(part: &Part, smallest: usize, order: &mut [u32], stage: Stage) -> Res
     if part.len() <= smallest {
         return part.by_degree(order);
     }
-    let sides = bisect(part);
+    let sides = bisect(part, stage)?;
     let parts = [Side::First, Side::Second].map(|side| part.restricted_to(side, &sides));
     let [first, second] = &parts;
     if first.len().min(second.len()) == 0 {
@@ -53,7 +53,7 @@ fn dissect(part: &Part, smallest: usize, order: &mut [u32], stage: Stage) -> Res
 }
 
 /// Two sides of a part, and what is between them.
-fn bisect(part: &Part) -> Vec<Side> {
+fn bisect(part: &Part, stage: Stage) -> Result<Vec<Side>> {
     let size = part.len();
     let (_, order, ends) = part.rings(None);
     if ends.len() > 1 {
@@ -66,10 +66,12 @@ fn bisect(part: &Part) -> Vec<Side> {
         for &vertex in &order[end..] {
             sides[vertex as usize] = Side::Second;
         }
-        return sides;
+        return Ok(sides);
     }
+    stage.check()?;
     // Between two ends: the farther from one and the nearer to the other, the later.
     let (from_one, order, _) = part.rings(Some(order[size - 1]));
+    stage.check()?;
     let (from_other, _, _) = part.rings(Some(order[size - 1]));
     let key = |vertex: usize| size as u32 + from_one[vertex] - from_other[vertex];
     let mut order: Vec<u32> = (0..size as u32).collect();
@@ -78,7 +80,9 @@ fn bisect(part: &Part) -> Vec<Side> {
     for (place, &vertex) in order.iter().enumerate() {
         places[vertex as usize] = place;
     }
+    stage.check()?;
     let cut = best_cut(part, &places);
+    stage.check()?;
     let band = ((BAND * size as f64) as usize).max(1);
     let (begin, end) = (cut.saturating_sub(band).max(1), (cut + band).min(size - 1));
     // The separator will be near to the first side: it shall be the larger one.
@@ -89,8 +93,8 @@ fn bisect(part: &Part) -> Vec<Side> {
         _ => Side::Second,
     };
     let mut sides: Vec<Side> = (0..size).map(side).collect();
-    separate(part, &mut sides);
-    sides
+    separate(part, &mut sides, stage)?;
+    Ok(sides)
 }
 
 /// The number of vertices before the cut with the fewest edges across for the sizes of its sides.

@@ -51,15 +51,16 @@ const LARGE: usize = 100_000;
 
 /// What matrices of one pattern have in common, found when it is first asked for.
 #[derive(Debug, Clone, Default)]
-pub struct Analysis {
+pub struct Analysis(Arc<Found>);
+
+#[derive(Debug, Default)]
+struct Found {
     by_degree: OnceLock<Supernodes>,
     units: OnceLock<Arc<[Unit]>>,
-    spare: Spare,
+    /// Room that a factorization left, for the next one: to have it from the system takes as long
+    /// as a factorization.
+    spare: Mutex<Option<Vec<Numbers>>>,
 }
-
-/// Room that a factorization left, for the next one: to have it from the system takes as long as
-/// a factorization.
-type Spare = Arc<Mutex<Option<Vec<Numbers>>>>;
 
 impl Analysis {
     /// Entries that the factor has in each row, on average, in an order of approximate minimum
@@ -72,29 +73,26 @@ impl Analysis {
     }
 
     fn by_degree(&self, lower: &CsMatI<f64, u32>) -> Result<&Supernodes> {
-        if self.by_degree.get().is_none() {
+        let by_degree = &self.0.by_degree;
+        if by_degree.get().is_none() {
             // Whoever was faster has found the same.
-            let _ = self.by_degree.set(Supernodes::by_degree(lower)?);
+            let _ = by_degree.set(Supernodes::by_degree(lower)?);
         }
-        Ok(self.by_degree.get().expect("found before"))
+        Ok(by_degree.get().expect("found before"))
     }
 
     fn units(&self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Arc<[Unit]>> {
-        if let Some(units) = self.units.get() {
+        if let Some(units) = self.0.units.get() {
             return Ok(Arc::clone(units));
         }
+        let split = |nodes: &Supernodes| units::split(nodes, lower, LEAST_WORK, stage);
         let is_limbed = lower.cols() < LARGE && self.fill(lower)? < COMPACT_FILL;
         stage.check()?;
-        let units = match is_limbed {
-            true => units::split(self.by_degree(lower)?, lower, LEAST_WORK),
-            false => units::split(
-                &Supernodes::by_dissection(lower, SMALL, stage)?,
-                lower,
-                LEAST_WORK,
-            ),
+        let units: Arc<[Unit]> = match is_limbed {
+            true => split(self.by_degree(lower)?)?.into(),
+            false => split(&Supernodes::by_dissection(lower, SMALL, stage)?)?.into(),
         };
-        let units: Arc<[Unit]> = units?.into();
-        Ok(Arc::clone(self.units.get_or_init(|| units)))
+        Ok(Arc::clone(self.0.units.get_or_init(|| units)))
     }
 }
 
@@ -105,12 +103,12 @@ pub struct Cholesky {
     units: Arc<[Unit]>,
     numbers: Vec<Numbers>,
     is_factorized: bool,
-    spare: Spare,
+    analysis: Analysis,
 }
 
 impl Drop for Cholesky {
     fn drop(&mut self) {
-        if let Ok(mut spare) = self.spare.lock() {
+        if let Ok(mut spare) = self.analysis.0.spare.lock() {
             *spare = Some(std::mem::take(&mut self.numbers));
         }
     }
@@ -124,7 +122,7 @@ impl Cholesky {
     /// [`Error::Cancelled`].
     pub fn new(lower: &CsMatI<f64, u32>, analysis: &Analysis, stage: Stage) -> Result<Self> {
         let units = analysis.units(lower, stage)?;
-        Self::in_units(units, Arc::clone(&analysis.spare))
+        Self::in_units(units, analysis.clone())
     }
 
     /// The same for a pattern that nothing is known of.
@@ -135,8 +133,9 @@ impl Cholesky {
         Self::new(lower, &Analysis::default(), stage)
     }
 
-    fn in_units(units: Arc<[Unit]>, spare: Spare) -> Result<Self> {
-        let left = spare.lock().ok().and_then(|mut spare| spare.take());
+    fn in_units(units: Arc<[Unit]>, analysis: Analysis) -> Result<Self> {
+        let spare = analysis.0.spare.lock();
+        let left = spare.ok().and_then(|mut spare| spare.take());
         let numbers = match left {
             Some(numbers) => numbers,
             None => {
@@ -151,7 +150,7 @@ impl Cholesky {
             numbers,
             units,
             is_factorized: false,
-            spare,
+            analysis,
         })
     }
 

@@ -2,6 +2,8 @@
 //! vertex as the separator has vertices. Paths are found depth first, towards the other side
 //! (Pothen and Fan 1990, for matchings).
 
+use crate::error::Result;
+use crate::monitor::Stage;
 use crate::solver::cholesky::dissection::Part;
 
 /// On which side of a separator a vertex lies.
@@ -19,7 +21,10 @@ const END: u32 = NONE - 2;
 
 /// Of the vertices `Between` leaves a smallest set that separates the others: the one nearest to
 /// the first side. Where the sides touch, the first one's vertices are part of it.
-pub(super) fn separate(part: &Part, sides: &mut [Side]) {
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub(super) fn separate(part: &Part, sides: &mut [Side], stage: Stage) -> Result<()> {
     let mut band = Vec::new();
     let mut direct = Vec::new();
     let mut places = vec![NONE; part.len()];
@@ -34,7 +39,9 @@ pub(super) fn separate(part: &Part, sides: &mut [Side]) {
         }
     }
     let mut paths = Paths::new(part, &band, &places, sides);
-    while paths.add_some() {}
+    while paths.add_some() {
+        stage.check()?;
+    }
     for (place, &vertex) in band.iter().enumerate() {
         let [entered, left] = [0, 1].map(|end| paths.is_reached[2 * place + end]);
         sides[vertex as usize] = match (entered, left) {
@@ -46,6 +53,7 @@ pub(super) fn separate(part: &Part, sides: &mut [Side]) {
     for vertex in direct {
         sides[vertex] = Side::Between;
     }
+    Ok(())
 }
 
 /// Paths through a band from its first side to its second, and what a further one can do: it
@@ -223,6 +231,7 @@ impl Paths {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::Monitor;
     use crate::solver::examples::{irregular, lattice};
     use crate::solver::graph::Graph;
 
@@ -246,7 +255,7 @@ mod tests {
             _ => Side::Between,
         };
         let mut sides: Vec<Side> = (0..1200).map(side).collect();
-        separate(&part, &mut sides);
+        separate(&part, &mut sides, Monitor::new().whole()).unwrap();
         let count = |side: Side| sides.iter().filter(|&&other| other == side).count();
         assert!(is_separated(&part, &sides));
         assert_eq!(count(Side::Between), 30);
@@ -259,7 +268,7 @@ mod tests {
         let part = part(&lattice(12, 12, 1.0).0);
         let mut sides = vec![Side::Between; 144];
         (sides[0], sides[143]) = (Side::First, Side::Second);
-        separate(&part, &mut sides);
+        separate(&part, &mut sides, Monitor::new().whole()).unwrap();
         let between = sides.iter().filter(|&&side| side == Side::Between).count();
         assert!(is_separated(&part, &sides));
         assert_eq!(between, 3);
@@ -275,7 +284,7 @@ mod tests {
                 _ => Side::Between,
             };
             let mut sides: Vec<Side> = (0..part.len()).map(side).collect();
-            separate(&part, &mut sides);
+            separate(&part, &mut sides, Monitor::new().whole()).unwrap();
             assert!(is_separated(&part, &sides));
         }
     }

@@ -52,6 +52,7 @@ impl Supernodes {
     /// [`Error::Solver`] if the index range does not suffice, or [`Error::Cancelled`].
     pub fn by_dissection(lower: &CsMatI<f64, u32>, smallest: usize, stage: Stage) -> Result<Self> {
         let order = dissection::order(lower, smallest, stage)?;
+        stage.check()?;
         Ok(Self::with_order(lower, &order)?.in_postorder())
     }
 

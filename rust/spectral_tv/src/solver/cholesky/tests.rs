@@ -7,7 +7,7 @@ use sprs::{CsMatI, TriMatI};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::solver::Cholesky;
-use crate::solver::cholesky::Spare;
+use crate::solver::cholesky::Analysis;
 use crate::solver::cholesky::supernodes::Supernodes;
 use crate::solver::cholesky::units;
 use crate::solver::examples::{irregular, lattice, random, system_of};
@@ -39,8 +39,8 @@ fn prepared(lower: &CsMatI<f64, u32>, smallest: Option<usize>, least_work: f64) 
         Some(smallest) => Supernodes::by_dissection(lower, smallest, monitor.whole()),
         None => Supernodes::by_degree(lower),
     };
-    let units = units::split(&nodes.unwrap(), lower, least_work).unwrap();
-    Cholesky::in_units(units.into(), Spare::default()).unwrap()
+    let units = units::split(&nodes.unwrap(), lower, least_work, monitor.whole()).unwrap();
+    Cholesky::in_units(units.into(), Analysis::default()).unwrap()
 }
 
 fn analysed(lower: &CsMatI<f64, u32>) -> Cholesky {

@@ -4,6 +4,7 @@
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
+use crate::monitor::Stage;
 use crate::solver::cholesky::supernodes::{NONE, Supernodes};
 
 /// Share of all multiplications that is worth handing to another thread.
@@ -67,12 +68,14 @@ pub(super) struct Child {
 /// those below them; the last one holds all that is left.
 ///
 /// # Errors
-/// [`Error::Solver`] if the index range does not suffice.
+/// [`Error::Solver`] if the index range does not suffice, or [`Error::Cancelled`].
 pub(super) fn split(
     nodes: &Supernodes,
     lower: &CsMatI<f64, u32>,
     least_work: f64,
+    stage: Stage,
 ) -> Result<Vec<Unit>> {
+    stage.check()?;
     let (owners, count) = owners(nodes, least_work);
     let mut builder = Builder {
         nodes,
@@ -83,9 +86,10 @@ pub(super) fn split(
         owners,
     };
     builder.place_nodes();
-    builder.place_rows();
+    stage.check()?;
+    builder.place_rows(stage)?;
     builder.place_children();
-    builder.place_entries(lower)?;
+    builder.place_entries(lower, stage)?;
     Ok(builder.units)
 }
 
@@ -179,9 +183,9 @@ impl Builder<'_> {
     }
 
     /// Gives every row its place in its unit, and in the front above.
-    fn place_rows(&mut self) {
+    fn place_rows(&mut self, stage: Stage) -> Result<()> {
         let nodes = self.nodes;
-        for index in 0..nodes.len() {
+        stage.for_each(0..nodes.len(), |index| {
             let owner = self.owners[index] as usize;
             let rows: Vec<u32> = nodes
                 .rows(index)
@@ -195,7 +199,7 @@ impl Builder<'_> {
             let above = nodes.rows(index).iter();
             let places = above.map(|&row| front_row(nodes, parent as usize, row) as u32);
             unit.places.extend(places);
-        }
+        })?;
         for index in 0..self.units.len() {
             if let Some(above) = self.unit_above(index) {
                 let rows = nodes.rows(self.roots[index] as usize).iter();
@@ -203,6 +207,7 @@ impl Builder<'_> {
                 self.units[index].boundary = boundary;
             }
         }
+        Ok(())
     }
 
     /// Where a column, or one above the root, is among a unit's columns and boundary.
@@ -257,7 +262,7 @@ impl Builder<'_> {
     }
 
     /// Finds the place of every entry of the matrix in the panels.
-    fn place_entries(&mut self, lower: &CsMatI<f64, u32>) -> Result<()> {
+    fn place_entries(&mut self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<()> {
         let nodes = self.nodes;
         if self
             .units
@@ -267,7 +272,7 @@ impl Builder<'_> {
             return Err(Error::Solver("the factor has too many entries".into()));
         }
         let starts = lower.proper_indptr();
-        for column in 0..lower.cols() {
+        stage.for_each(0..lower.cols(), |column| {
             for entry in starts[column]..starts[column + 1] {
                 let ends = [column, lower.indices()[entry as usize] as usize];
                 let [a, b] = ends.map(|vertex| nodes.places[vertex]);
@@ -279,8 +284,9 @@ impl Builder<'_> {
                 let place = node.panel + offset + front_row(nodes, index, row);
                 unit.entries.push((entry, place as u32));
             }
-        }
+        })?;
         for unit in &mut self.units {
+            stage.check()?;
             unit.entries.sort_unstable_by_key(|&(_, place)| place);
         }
         Ok(())
