@@ -73,13 +73,9 @@ fn bisect(part: &Part, stage: Stage) -> Result<Vec<Side>> {
     let (from_one, order, _) = part.rings(Some(order[size - 1]));
     stage.check()?;
     let (from_other, _, _) = part.rings(Some(order[size - 1]));
-    let key = |vertex: usize| size as u32 + from_one[vertex] - from_other[vertex];
-    let mut order: Vec<u32> = (0..size as u32).collect();
-    order.sort_by_cached_key(|&vertex| key(vertex as usize));
-    let mut places = vec![0; size];
-    for (place, &vertex) in order.iter().enumerate() {
-        places[vertex as usize] = place;
-    }
+    let keys = from_one.iter().zip(&from_other);
+    let keys: Vec<u32> = keys.map(|(one, other)| size as u32 + one - other).collect();
+    let places = ranks(&keys, 2 * size);
     stage.check()?;
     let cut = best_cut(part, &places);
     stage.check()?;
@@ -95,6 +91,23 @@ fn bisect(part: &Part, stage: Stage) -> Result<Vec<Side>> {
     let mut sides: Vec<Side> = (0..size).map(side).collect();
     separate(part, &mut sides, stage)?;
     Ok(sides)
+}
+
+/// The place of each key among all, which are below `bound`; of equal ones the first comes first.
+fn ranks(keys: &[u32], bound: usize) -> Vec<usize> {
+    let mut next = vec![0; bound + 1];
+    for &key in keys {
+        next[key as usize + 1] += 1;
+    }
+    for key in 0..bound {
+        next[key + 1] += next[key];
+    }
+    let rank = |&key: &u32| {
+        let rank = next[key as usize];
+        next[key as usize] += 1;
+        rank
+    };
+    keys.iter().map(rank).collect()
 }
 
 /// The number of vertices before the cut with the fewest edges across for the sizes of its sides.

@@ -43,6 +43,8 @@ const ENLARGEMENTS: [f64; 3] = [1e-12, 1e-9, 1e-6];
 /// Entries in a row of the factor, in an order of approximate minimum degree, from which nested
 /// dissection pays: with half of the multiplications on even, compact meshes.
 const COMPACT_FILL: f64 = 45.0;
+/// Columns up to which it takes longer than what it saves in some tens of factorizations.
+const FEW: usize = 5_000;
 /// Vertices up to which a part is not dissected.
 const SMALL: usize = 400;
 /// Columns from which on it is taken without a look at that: orders of minimum degree take too
@@ -86,11 +88,15 @@ impl Analysis {
             return Ok(Arc::clone(units));
         }
         let split = |nodes: &Supernodes| units::split(nodes, lower, LEAST_WORK, stage);
-        let is_limbed = lower.cols() < LARGE && self.fill(lower)? < COMPACT_FILL;
+        let pays = match lower.cols() {
+            ..=FEW => false,
+            LARGE.. => true,
+            _ => self.fill(lower)? >= COMPACT_FILL,
+        };
         stage.check()?;
-        let units: Arc<[Unit]> = match is_limbed {
-            true => split(self.by_degree(lower)?)?.into(),
-            false => split(&Supernodes::by_dissection(lower, SMALL, stage)?)?.into(),
+        let units: Arc<[Unit]> = match pays {
+            true => split(&Supernodes::by_dissection(lower, SMALL, stage)?)?.into(),
+            false => split(self.by_degree(lower)?)?.into(),
         };
         Ok(Arc::clone(self.0.units.get_or_init(|| units)))
     }
