@@ -276,7 +276,7 @@ impl Deformer {
         let slope = energy.slope(self.state.view());
         let descent = energy.descent(self.state.view(), &slope);
         let direction = self.newton.direction(&energy, &slope, &descent, stage)?;
-        let length = energy.line_search(&slope, &direction, &descent);
+        let length = energy.line_search(&slope, &direction, &descent, stage)?;
         self.newton.update_dual(&energy, &slope, &direction);
         self.state.scaled_add(length, &direction);
         Ok(slope)

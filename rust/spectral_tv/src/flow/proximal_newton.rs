@@ -65,10 +65,12 @@ impl<'a> ProximalNewton<'a> {
                 fixed: &[],
             };
             let slope = energy.slope(state.view());
+            stage.check()?;
             let descent = energy.descent(state.view(), &slope);
             let direction = self.newton.direction(&energy, &slope, &descent, stage)?;
-            let length = energy.line_search(&slope, &direction, &descent);
+            let length = energy.line_search(&slope, &direction, &descent, stage)?;
             self.newton.update_dual(&energy, &slope, &direction);
+            stage.check()?;
             state.scaled_add(length, &direction);
             let gap = duality_gap(self.operators, step, state.view(), self.newton.dual());
             if gap < best.gap {

@@ -3,8 +3,10 @@
 
 use ndarray::{Array2, ArrayView2};
 
+use crate::error::Result;
 use crate::minimization::fields::{TangentField, inner_products};
 use crate::minimization::line_search::least_along;
+use crate::monitor::Stage;
 use crate::operators::{Discretization, FaceVector};
 
 /// A convex energy of functions on a mesh, provided that n w(n) grows with n.
@@ -88,14 +90,25 @@ impl Energy<'_> {
     }
 
     /// The α in [0, 2] that minimises E(u + α δ). `descent` is −E′(u).
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
     pub fn line_search(
         &self,
         slope: &Slope,
         direction: &Array2<f64>,
         descent: &Array2<f64>,
-    ) -> f64 {
+        stage: Stage,
+    ) -> Result<f64> {
         let start = -(descent * direction).sum();
-        least_along(start, self.restricted(slope, direction, start))
+        let restricted = self.restricted(slope, direction, start, stage)?;
+        // Where the slope is 0 the search ends.
+        let length = least_along(start, |alpha| match stage.check() {
+            Ok(()) => restricted(alpha),
+            Err(_) => 0.0,
+        });
+        stage.check()?;
+        Ok(length)
     }
 
     /// The function α ↦ d/dα E(u + α δ), from per-face products alone; `start` is its value
@@ -105,11 +118,14 @@ impl Energy<'_> {
         slope: &Slope,
         direction: &Array2<f64>,
         start: f64,
-    ) -> impl Fn(f64) -> f64 + '_ {
+        stage: Stage,
+    ) -> Result<impl Fn(f64) -> f64 + '_> {
         let changes = self.gradients(direction.view());
+        stage.check()?;
         let squares = inner_products(&slope.gradients, &slope.gradients);
         let along = inner_products(&slope.gradients, &changes);
         let squared = inner_products(&changes, &changes);
+        stage.check()?;
         let mut quadratic = 0.0;
         for row in direction.rows() {
             for (value, mass) in row.iter().zip(self.masses) {
@@ -128,7 +144,7 @@ impl Energy<'_> {
                 .sum()
         };
         let linear = start - self.tau * variation(0.0);
-        move |alpha| linear + alpha * quadratic + self.tau * variation(alpha)
+        Ok(move |alpha| linear + alpha * quadratic + self.tau * variation(alpha))
     }
 
     /// Whether a face of weight w is steep.

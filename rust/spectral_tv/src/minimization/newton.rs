@@ -102,6 +102,7 @@ impl PrimalDualNewton {
     ) -> Result<()> {
         let pattern = energy.operators.pattern();
         let gradient = energy.operators.gradient();
+        stage.check()?;
         pattern.assemble(gradient, energy.masses, stiffness, &mut self.system);
         pin(energy.fixed, &mut self.system);
         self.cholesky.factorize(&self.system, stage)

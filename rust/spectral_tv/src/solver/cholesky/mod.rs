@@ -169,6 +169,7 @@ impl Cholesky {
     /// [`Error::Solver`] if the matrix is far from positive definite, or not finite, or
     /// [`Error::Cancelled`].
     pub fn factorize(&mut self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<()> {
+        self.is_factorized = false;
         let Self { units, numbers, .. } = self;
         self.is_factorized = factor::factorize(units, numbers, lower.data(), stage)?;
         for enlargement in ENLARGEMENTS {
