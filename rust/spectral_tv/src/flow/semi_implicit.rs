@@ -244,6 +244,7 @@ impl<'a> StepSolver<'a> {
         let mut state = self.increment(residual, step, masses, history.state, guess)?;
         let add = |value: &mut f64, start: &f64| *value += start;
         Zip::from(&mut state).and(&history.state).par_for_each(add);
+        self.stage.check()?;
         Ok(state)
     }
 
@@ -259,6 +260,7 @@ impl<'a> StepSolver<'a> {
         let again = (!self.solver.is_exact()).then(|| residual.clone());
         let (guess, tolerance) = (guess.as_ref(), self.tolerance);
         let mut increment = self.solver.solve(residual, guess, tolerance, self.stage)?;
+        self.stage.check()?;
         let shift = self.means.restore(&mut increment, step, masses, start);
         if let Some(residual) = again
             && (shift.is_nan() || shift > LARGEST_SHIFT)
@@ -303,8 +305,11 @@ impl<'a> StepSolver<'a> {
         }
         let linear = start - step.tau * line.slope_at_start(&weights);
         drop(weights);
+        self.stage.check()?;
         let slope = |alpha: f64| linear + alpha * quadratic + step.tau * line.slope(alpha);
-        state.scaled_add(least_along(start, slope), &direction);
+        let length = least_along(start, slope);
+        self.stage.check()?;
+        state.scaled_add(length, &direction);
         self.stage.check()?;
         Ok(())
     }
