@@ -58,8 +58,16 @@ pub fn check(needed: u64, what: &str, advice: &str) -> Result<()> {
 /// # Errors
 /// [`Error::Memory`] if they are not available, or cannot be had.
 pub fn zeros(count: usize, what: &str, advice: &str) -> Result<Vec<f64>> {
+    check((count as u64).saturating_mul(NUMBER), what, advice)?;
+    checked_zeros(count, what, advice)
+}
+
+/// The same where [`check`] was asked before, for all that is needed.
+///
+/// # Errors
+/// [`Error::Memory`] if they cannot be had.
+pub(crate) fn checked_zeros(count: usize, what: &str, advice: &str) -> Result<Vec<f64>> {
     let needed = (count as u64).saturating_mul(NUMBER);
-    check(needed, what, advice)?;
     let mut values = Vec::new();
     values.try_reserve_exact(count).map_err(|_| {
         let size = shown(needed);

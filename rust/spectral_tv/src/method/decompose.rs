@@ -44,6 +44,12 @@ impl Scheme {
             Self::Exact { .. } => None,
         }
     }
+
+    /// Whether systems of a flow of so many channels are surely solved by iteration.
+    pub(super) fn is_iterated(self, solver: Solver, vertices: usize, channels: usize) -> bool {
+        let demand = self.demand(channels);
+        demand.is_some_and(|demand| solver.is_iterative(vertices, demand))
+    }
 }
 
 /// How many steps are taken.
@@ -233,8 +239,7 @@ pub fn run_flow(
         operators.masses().len(),
         operators.gradient().triangles().len(),
     );
-    let demand = scheme.demand(values.nrows());
-    let is_iterated = demand.is_some_and(|demand| solver.is_iterative(values.ncols(), demand));
+    let is_iterated = scheme.is_iterated(solver, values.ncols(), values.nrows());
     let needed = needs::flow(size, values.nrows(), times.len(), is_iterated);
     let what = format!(
         "a flow of {} steps on {} vertices",

@@ -17,10 +17,8 @@ const FEWER: &str = "take fewer eigenpairs, or a mesh of fewer vertices";
 pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settings) -> u64 {
     let size = needs::Size::new(vertices, triangles);
     let steps = step_count(settings);
-    let flow = |channels: usize, steps: usize| {
-        let is_iterated = is_iterated(settings, vertices);
-        needs::flow(size, channels, steps, is_iterated)
-    };
+    let is_iterated = is_iterated(settings, vertices);
+    let flow = |channels: usize, steps: usize| needs::flow(size, channels, steps, is_iterated);
     match &settings.method {
         Method::Heat | Method::ShapeTv | Method::ConformalLaplace { .. } => flow(3, steps),
         // One by one, and then together.
@@ -48,8 +46,9 @@ pub(super) fn is_iterated(settings: &Settings, vertices: usize) -> bool {
         Method::Naive | Method::DirectionalTv { .. } => 1,
         _ => 3,
     };
-    let demand = settings.scheme.demand(channels);
-    demand.is_some_and(|demand| settings.solver.is_iterative(vertices, demand))
+    settings
+        .scheme
+        .is_iterated(settings.solver, vertices, channels)
 }
 
 /// Refuses a number of steps that no flow takes.

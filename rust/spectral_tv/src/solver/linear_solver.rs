@@ -13,8 +13,8 @@ use crate::solver::{Analysis, Cholesky, Multigrid};
 /// exact.
 const SMALL: usize = 10_000;
 /// Number of unknowns from which multigrid is taken without a look at their couplings, as it
-/// takes less memory, and for several solutions of single functions, where a factorization takes
-/// two thirds of the time up to a million unknowns, but half as much memory again.
+/// takes less memory; and the same for several solutions of single functions, where a
+/// factorization takes two thirds of the time at 300 000, but half as much memory again.
 const LARGE: usize = 100_000;
 const HUGE: usize = 400_000;
 /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin

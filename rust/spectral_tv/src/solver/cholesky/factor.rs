@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::error::Result;
+use crate::memory::checked_zeros;
 use crate::monitor::Stage;
 use crate::solver::cholesky::front::{eliminate, subtract_square};
 use crate::solver::cholesky::tree::upward;
@@ -28,12 +29,15 @@ pub(super) struct Numbers {
 
 impl Numbers {
     /// For a unit.
-    pub fn new(unit: &Unit) -> Self {
-        Self {
-            panels: vec![0.0; unit.panel_length],
-            stack: vec![0.0; unit.stack_length],
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub fn new(unit: &Unit, what: &str, advice: &str) -> Result<Self> {
+        Ok(Self {
+            panels: checked_zeros(unit.panel_length, what, advice)?,
+            stack: checked_zeros(unit.stack_length, what, advice)?,
             lanes: Vec::new(),
-        }
+        })
     }
 }
 

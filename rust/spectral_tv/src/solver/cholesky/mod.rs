@@ -128,7 +128,7 @@ impl Cholesky {
     /// [`Error::Cancelled`].
     pub fn new(lower: &CsMatI<f64, u32>, analysis: &Analysis, stage: Stage) -> Result<Self> {
         let units = analysis.units(lower, stage)?;
-        Self::in_units(units, analysis.clone())
+        Self::in_units(units, analysis.clone(), stage)
     }
 
     /// The same for a pattern that nothing is known of.
@@ -139,7 +139,7 @@ impl Cholesky {
         Self::new(lower, &Analysis::default(), stage)
     }
 
-    fn in_units(units: Arc<[Unit]>, analysis: Analysis) -> Result<Self> {
+    fn in_units(units: Arc<[Unit]>, analysis: Analysis, stage: Stage) -> Result<Self> {
         let spare = analysis.0.spare.lock();
         let left = spare.ok().and_then(|mut spare| spare.take());
         let numbers = match left {
@@ -149,7 +149,11 @@ impl Cholesky {
                     .iter()
                     .map(|unit| unit.panel_length + unit.stack_length);
                 memory::check(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
-                units.iter().map(Numbers::new).collect()
+                let room = |unit: &Unit| {
+                    stage.check()?;
+                    Numbers::new(unit, WHAT, ADVICE)
+                };
+                units.iter().map(room).collect::<Result<_>>()?
             }
         };
         Ok(Self {

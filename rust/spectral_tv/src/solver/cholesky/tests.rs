@@ -40,7 +40,7 @@ fn prepared(lower: &CsMatI<f64, u32>, smallest: Option<usize>, least_work: f64) 
         None => Supernodes::by_degree(lower),
     };
     let units = units::split(&nodes.unwrap(), lower, least_work, monitor.whole()).unwrap();
-    Cholesky::in_units(units.into(), Analysis::default()).unwrap()
+    Cholesky::in_units(units.into(), Analysis::default(), monitor.whole()).unwrap()
 }
 
 fn analysed(lower: &CsMatI<f64, u32>) -> Cholesky {
