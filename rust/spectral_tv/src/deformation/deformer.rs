@@ -240,7 +240,10 @@ impl Deformer {
         let problem = self
             .handles
             .problem(targets, DRAG_EPSILON * self.gradient_scale(targets));
-        let norms = problem.operators.gradient().norms(self.state.view());
+        let norms = problem
+            .operators
+            .gradient()
+            .norms(&self.state.view().into());
         let weights = match self.is_at_rest {
             true => vec![problem.operators.area().sqrt() / targets.spread(); norms.len()],
             false => problem.variation.weights(&norms),

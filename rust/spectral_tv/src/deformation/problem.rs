@@ -48,7 +48,7 @@ impl<'a> Problem<'a> {
     /// The value of the energy at a `state` (C, V) that meets the constraints, length².
     pub fn value(&self, state: &Array2<f64>) -> f64 {
         let gradient = self.operators.gradient();
-        let norms = gradient.norms(state.view());
+        let norms = gradient.norms(&state.view().into());
         let areas = gradient.face_areas().iter();
         let variation: f64 = areas
             .zip(norms)

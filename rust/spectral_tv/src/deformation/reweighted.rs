@@ -37,7 +37,8 @@ pub(super) fn reweighted(
         if mean * area.sqrt() <= LEAST_STRETCH * spread {
             return Ok((state, iteration + 1));
         }
-        let weights = Variation::smoothed(SMOOTHING * mean).weights(&gradient.norms(state.view()));
+        let norms = gradient.norms(&state.view().into());
+        let weights = Variation::smoothed(SMOOTHING * mean).weights(&norms);
         let last = state.clone();
         let stiffness = Stiffness::bending(&problem, &weights);
         Quadratic::new(problem, stiffness, springs, stage)?.minimise(&mut state, &forces);

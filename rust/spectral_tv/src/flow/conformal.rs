@@ -56,8 +56,8 @@ impl ConformalLaplace {
 impl Law for ConformalLaplace {
     fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
         // The initial norm is √2 on every face, so the floor is relative to it.
-        gradient_norms
-            .iter()
+        let norms = gradient_norms.par_iter().with_min_len(CHUNK);
+        norms
             .map(|norm| norm.max(WEIGHT_FLOOR).powi(self.exponent))
             .collect()
     }

@@ -16,7 +16,7 @@ pub(super) fn duality_gap(
     field: &TangentField,
 ) -> f64 {
     let gradient = operators.gradient();
-    let mut misalignment = gradient.norms(state);
+    let mut misalignment = gradient.norms(&state.into());
     let clip = clipping_factors(field);
     let mut distance = 0.0;
     for ((channel, data), field) in state.rows().into_iter().zip(step.data.rows()).zip(field) {

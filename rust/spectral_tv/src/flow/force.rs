@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::flow::law::Law;
 use crate::flow::time_step::TimeStep;
 use crate::monitor::Stage;
-use crate::operators::Discretization;
+use crate::operators::{Discretization, SideBySide};
 
 /// Faces or vertices that one thread works on at a time.
 const CHUNK: usize = 1 << 13;
@@ -31,7 +31,7 @@ impl Force {
         operators: &Discretization,
         law: &dyn Law,
         norms: &[f64],
-        state: ArrayView2<f64>,
+        state: &SideBySide,
         stage: Stage,
     ) -> Result<Self> {
         stage.check()?;

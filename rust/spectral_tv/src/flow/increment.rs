@@ -1,7 +1,7 @@
 //! What a step changes, kept as precisely as it was solved for.
 
 use ndarray::parallel::prelude::*;
-use ndarray::{Array2, Axis, Zip};
+use ndarray::{Array2, ArrayView2, Axis, Zip, aview0};
 
 /// Vertices that one thread works on at a time.
 const CHUNK: usize = 1 << 13;
@@ -29,15 +29,28 @@ pub(super) enum Increment {
 
 impl Increment {
     /// Keeps `values`.
-    pub fn new(values: Array2<f64>, precision: Precision) -> Self {
+    pub fn new(values: &Array2<f64>, precision: Precision) -> Self {
+        let nothing = aview0(&0.0);
+        let nothing = nothing.broadcast(values.dim());
+        Self::between(nothing.expect("of any shape"), values.view(), precision)
+    }
+
+    /// Keeps what leads from the state `before` to `now`, (C, V) each.
+    pub fn between(before: ArrayView2<f64>, now: ArrayView2<f64>, precision: Precision) -> Self {
+        let both = Zip::from(now).and(before);
         if precision == Precision::Double {
-            return Self::Double(values);
+            return Self::Double(both.par_map_collect(|now, before| now - before));
         }
-        let parts = values.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
-        let parts = parts.map(|part| part.iter().fold(0.0_f64, |max, value| max.max(value.abs())));
+        let parts = now.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
+        let parts = parts.zip(before.axis_chunks_iter(Axis(1), CHUNK).into_par_iter());
+        let parts = parts.map(|(now, before)| {
+            Zip::from(now)
+                .and(before)
+                .fold(0.0_f64, |max, now, before| max.max((now - before).abs()))
+        });
         let largest = parts.reduce(|| 0.0, f64::max);
         let unit = if largest > 0.0 { largest } else { 1.0 };
-        let values = Zip::from(&values).par_map_collect(|value| (value / unit) as f32);
+        let values = both.par_map_collect(|now, before| ((now - before) / unit) as f32);
         Self::Single { values, unit }
     }
 
@@ -83,7 +96,7 @@ mod tests {
         for unit in [1e-60, 1.0, 1e60] {
             let values = arr2(&[[0.1, -0.7, 1e-5], [0.0, 1.0 / 3.0, 2.0]]) * unit;
             for (precision, digits) in [(Precision::Double, 1e-16), (Precision::Single, 1e-7)] {
-                let increment = Increment::new(values.clone(), precision);
+                let increment = Increment::new(&values, precision);
                 assert_eq!(increment.precision(), precision);
                 let mut sum = Array2::zeros((2, 3));
                 increment.add_to(2.0, &mut sum);
@@ -97,7 +110,7 @@ mod tests {
                 }
             }
         }
-        let nothing = Increment::new(Array2::zeros((1, 2)), Precision::Single);
+        let nothing = Increment::new(&Array2::zeros((1, 2)), Precision::Single);
         assert_eq!(nothing.values(), Array2::zeros((1, 2)));
     }
 }

@@ -3,23 +3,38 @@
 use rayon::prelude::*;
 
 use crate::flow::law::Law;
+use crate::operators::{Gradient, SideBySide};
 
 /// Faces that one thread works on at a time.
 const CHUNK: usize = 1 << 13;
 
 /// Gradients of u + α δ, by what they are made of on every face.
 pub(super) struct Line<'a> {
-    pub law: &'a dyn Law,
-    pub areas: &'a [f64],
+    law: &'a dyn Law,
+    areas: &'a [f64],
     /// |∇u|.
-    pub norms: Vec<f64>,
-    /// ⟨∇u, ∇δ⟩.
-    pub along: Vec<f64>,
-    /// |∇δ|².
-    pub squared: Vec<f64>,
+    norms: Vec<f64>,
+    /// ⟨∇u, ∇δ⟩ and |∇δ|².
+    products: Vec<[f64; 2]>,
 }
 
-impl Line<'_> {
+impl<'a> Line<'a> {
+    /// The line from `state` u, where |∇u| is `norms`, along `direction` δ.
+    pub fn new(
+        law: &'a dyn Law,
+        gradient: &'a Gradient,
+        norms: Vec<f64>,
+        state: &SideBySide,
+        direction: &SideBySide,
+    ) -> Self {
+        Self {
+            law,
+            areas: gradient.face_areas(),
+            norms,
+            products: gradient.products(state, direction),
+        }
+    }
+
     /// [`Self::slope`] for α = 0, given the `weights` there.
     pub fn slope_at_start(&self, weights: &[f64]) -> f64 {
         let parts = weights
@@ -27,7 +42,7 @@ impl Line<'_> {
             .enumerate()
             .map(|(chunk, weights)| {
                 let faces = (chunk * CHUNK..).zip(weights);
-                let terms = faces.map(|(f, weight)| self.areas[f] * weight * self.along[f]);
+                let terms = faces.map(|(f, weight)| self.areas[f] * weight * self.products[f][0]);
                 terms.sum::<f64>()
             });
         parts.collect::<Vec<_>>().iter().sum()
@@ -35,17 +50,21 @@ impl Line<'_> {
 
     /// d/dα Σ_f A Ψ(|∇(u + α δ)|), Ψ′(n) = n w(n).
     pub fn slope(&self, alpha: f64) -> f64 {
-        let starts = (0..self.areas.len()).into_par_iter().step_by(CHUNK);
-        let parts = starts.map(|start| {
-            let faces = start..(start + CHUNK).min(self.areas.len());
-            let norm = |f: usize| {
-                let change = alpha * (2.0 * self.along[f] + alpha * self.squared[f]);
-                (self.norms[f] * self.norms[f] + change).max(0.0).sqrt()
-            };
-            let norms: Vec<f64> = faces.clone().map(norm).collect();
-            let weights = self.law.weights(&norms);
-            let terms = faces.zip(weights).map(|(f, weight)| {
-                self.areas[f] * weight * (self.along[f] + alpha * self.squared[f])
+        let parts = (
+            self.areas.par_chunks(CHUNK),
+            self.norms.par_chunks(CHUNK),
+            self.products.par_chunks(CHUNK),
+        );
+        let parts = parts.into_par_iter().map(|(areas, norms, products)| {
+            let faces = norms.iter().zip(products);
+            let norms = faces.map(|(norm, [along, squared])| {
+                let change = alpha * (2.0 * along + alpha * squared);
+                (norm * norm + change).max(0.0).sqrt()
+            });
+            let weights = self.law.weights(&norms.collect::<Vec<f64>>());
+            let faces = areas.iter().zip(weights).zip(products);
+            let terms = faces.map(|((area, weight), [along, squared])| {
+                area * weight * (along + alpha * squared)
             });
             terms.sum::<f64>()
         });

@@ -6,16 +6,21 @@
 
 use std::ops::Range;
 
-use ndarray::parallel::prelude::*;
-use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice, Zip};
+use ndarray::{Array2, ArrayView2};
+use rayon::prelude::*;
 
 use crate::flow::time_step::TimeStep;
 use crate::mesh::{component_count, components_of};
 use crate::operators::Discretization;
 
+/// Vertices that one thread works on at a time.
+const CHUNK: usize = 1 << 13;
+
+const CONTIGUOUS: &str = "channels are contiguous";
+
 /// The components of a mesh.
 pub(super) struct Means {
-    /// Vertices that stand together in memory, and their component.
+    /// Vertices that stand together in memory, at most [`CHUNK`], and their component.
     runs: Vec<(Range<usize>, usize)>,
     count: usize,
 }
@@ -32,9 +37,10 @@ impl Means {
             end += of.len();
             (start..end, of[0] as usize)
         };
+        let together = labels.chunk_by(|a, b| a == b);
         Self {
             count: component_count(&labels),
-            runs: labels.chunk_by(|a, b| a == b).map(run).collect(),
+            runs: together.flat_map(|of| of.chunks(CHUNK)).map(run).collect(),
         }
     }
 
@@ -48,36 +54,70 @@ impl Means {
         masses: &[f64],
         state: ArrayView2<f64>,
     ) -> f64 {
-        let rows = increment.axis_iter_mut(Axis(0)).into_par_iter();
-        let rows = rows.zip(step.data.axis_iter(Axis(0)).into_par_iter());
-        let rows = rows.zip(state.axis_iter(Axis(0)).into_par_iter());
-        let shifts = rows.map(|((mut increment, data), state)| {
-            let part = |run: &Range<usize>| Slice::from(run.clone());
-            // Of each component what is missing, its mass, and its largest increment.
-            let mut sums = vec![[0.0_f64; 3]; self.count];
-            let off = Zip::from(&increment)
-                .and(data)
-                .and(state)
-                .map_collect(|x, data, state| data - state - x);
-            for (run, component) in &self.runs {
-                let masses = ArrayView1::from(&masses[run.clone()]);
-                sums[*component][0] += off.slice_axis(Axis(0), part(run)).dot(&masses);
-                sums[*component][1] += masses.sum();
-            }
-            sums.iter_mut().for_each(|sum| sum[0] /= sum[1]);
-            for (run, component) in &self.runs {
-                let [shift, _, largest] = &mut sums[*component];
-                let mut increment = increment.slice_axis_mut(Axis(0), part(run));
-                increment += *shift;
-                let size = increment.fold(0.0_f64, |max, x| max.max(x.abs()));
-                *largest = largest.max(size);
-            }
-            let relative = |[shift, _, largest]: &[f64; 3]| match *shift == 0.0 {
-                true => 0.0,
-                false => shift.abs() / largest,
-            };
-            sums.iter().map(relative).fold(0.0, f64::max)
+        let known = step.data.rows().into_iter().zip(state.rows());
+        let channels = increment.rows_mut().into_iter().zip(known);
+        let shifts = channels.map(|(increment, (data, state))| {
+            let increment = increment.into_slice().expect(CONTIGUOUS);
+            let known = [data, state].map(|values| values.to_slice().expect(CONTIGUOUS));
+            self.restore_channel(increment, known, masses)
         });
-        shifts.collect::<Vec<f64>>().into_iter().fold(0.0, f64::max)
+        largest_or_nan(shifts)
     }
+
+    fn restore_channel(
+        &self,
+        increment: &mut [f64],
+        [data, state]: [&[f64]; 2],
+        masses: &[f64],
+    ) -> f64 {
+        let missing = self.runs.par_iter().map(|(run, _)| {
+            let known = data[run.clone()].iter().zip(&state[run.clone()]);
+            let own = masses[run.clone()].iter().zip(&increment[run.clone()]);
+            known
+                .zip(own)
+                .fold([0.0; 2], |sums, ((data, state), (mass, x))| {
+                    [sums[0] + mass * (data - state - x), sums[1] + mass]
+                })
+        });
+        let missing: Vec<_> = missing.collect();
+        // Of each component what is missing, and its mass.
+        let mut sums = vec![[0.0_f64; 2]; self.count];
+        for ((_, component), missing) in self.runs.iter().zip(missing) {
+            sums[*component][0] += missing[0];
+            sums[*component][1] += missing[1];
+        }
+        let shifts: Vec<f64> = sums.iter().map(|[missing, mass]| missing / mass).collect();
+        let mut rest = increment;
+        let parts = self.runs.iter().map(|(run, _)| {
+            let (part, others) = std::mem::take(&mut rest).split_at_mut(run.len());
+            rest = others;
+            part
+        });
+        let parts: Vec<_> = parts.collect();
+        let sizes = parts.into_par_iter().zip(&self.runs).map(|(part, run)| {
+            let shift = shifts[run.1];
+            part.iter_mut().fold(0.0_f64, |max, x| {
+                *x += shift;
+                max.max(x.abs())
+            })
+        });
+        let sizes: Vec<f64> = sizes.collect();
+        let mut largest = vec![0.0_f64; self.count];
+        for ((_, component), size) in self.runs.iter().zip(sizes) {
+            largest[*component] = largest[*component].max(size);
+        }
+        let relative = |(shift, largest): (&f64, &f64)| match *shift == 0.0 {
+            true => 0.0,
+            false => shift.abs() / largest,
+        };
+        largest_or_nan(shifts.iter().zip(&largest).map(relative))
+    }
+}
+
+/// The largest of some values of 0 or more; NaN if one is.
+fn largest_or_nan(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |max, value| match value <= max {
+        true => max,
+        false => value,
+    })
 }

@@ -98,7 +98,7 @@ mod tests {
         let velocity = |k: usize| 2.0 - 0.3 * (times[k] + times[k + 1]).ln();
         let step = |k: usize| velocity(k) * (times[k + 1] - times[k]);
         let increment =
-            |k: usize| Increment::new(Array2::from_elem((1, 1), step(k)), Precision::Double);
+            |k: usize| Increment::new(&Array2::from_elem((1, 1), step(k)), Precision::Double);
         let increments: Vec<_> = (0..4).map(increment).collect();
         assert!(predicted_increment(&[], &times, (1, 1)).is_none());
         for k in 2..4 {

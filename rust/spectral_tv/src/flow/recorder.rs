@@ -1,6 +1,6 @@
 //! Collects the trajectory of a running flow.
 
-use ndarray::{Array2, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView2};
 
 use crate::error::{Error, Result, has_usable_size};
 use crate::flow::increment::{Increment, Precision};
@@ -92,10 +92,8 @@ impl Recorder {
         self.trajectory.total_variation.push(total_variation);
         self.trajectory.gaps.push(gap);
         let previous = std::mem::replace(&mut self.state, solution.state);
-        let change = Zip::from(&self.state)
-            .and(&previous)
-            .par_map_collect(|now, before| now - before);
-        let increment = Increment::new(change, solution.precision);
+        let (before, now) = (previous.view(), self.state.view());
+        let increment = Increment::between(before, now, solution.precision);
         self.trajectory.increments.push(increment);
         self.previous = Some(previous);
     }

@@ -1,5 +1,7 @@
 //! Semi-implicit stepping: one linear system a step, the weights taken at a known state.
 
+use std::borrow::Cow;
+
 use ndarray::{Array2, ArrayView2, Zip};
 
 use crate::error::Result;
@@ -14,7 +16,7 @@ use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::Trajectory;
 use crate::minimization::least_along;
 use crate::monitor::Stage;
-use crate::operators::Discretization;
+use crate::operators::{Discretization, SideBySide, inner_product, squared_norm};
 use crate::solver::{Demand, LinearSolver, Solver};
 
 /// Where a semi-implicit step takes its weights.
@@ -85,12 +87,12 @@ pub fn semi_implicit_flow(
 }
 
 /// What is known of a state.
-struct Measured {
+struct Measured<'a> {
     /// |∇u| on every face.
     norms: Vec<f64>,
     total_variation: f64,
     /// M, of the current shape where the law says so.
-    masses: Vec<f64>,
+    masses: Cow<'a, [f64]>,
     /// L(w) u for the law's weights at u, where it was needed already.
     force: Option<Force>,
 }
@@ -103,9 +105,9 @@ struct StepSolver<'a> {
     solver: LinearSolver,
     tolerance: f64,
     stage: Stage<'a>,
-    now: Measured,
+    now: Measured<'a>,
     /// Norms and masses of the state before.
-    before: Option<(Vec<f64>, Vec<f64>)>,
+    before: Option<(Vec<f64>, Cow<'a, [f64]>)>,
 }
 
 impl<'a> StepSolver<'a> {
@@ -127,7 +129,7 @@ impl<'a> StepSolver<'a> {
         let magnifies = law.moves_masses() || initial.nrows() == 1;
         Ok(Self {
             tolerance: if magnifies { FINE_TOLERANCE } else { TOLERANCE },
-            now: measured(operators, law, initial),
+            now: measured(operators, law, initial, &initial.into()),
             means: Means::new(operators),
             operators,
             law,
@@ -144,7 +146,7 @@ impl<'a> StepSolver<'a> {
         weights: Weights,
         times: &[f64],
         k: usize,
-    ) -> Result<(Solution, Measured)> {
+    ) -> Result<(Solution, Measured<'a>)> {
         let dt = times[k + 1] - times[k];
         let history = History {
             state: record.state(),
@@ -168,7 +170,7 @@ impl<'a> StepSolver<'a> {
     }
 
     /// Goes on from the state that is measured by `next`.
-    fn advance(&mut self, next: Measured) {
+    fn advance(&mut self, next: Measured<'a>) {
         let now = std::mem::replace(&mut self.now, next);
         self.before = Some((now.norms, now.masses));
     }
@@ -179,12 +181,12 @@ impl<'a> StepSolver<'a> {
         history: &History,
         dt: f64,
         guess: Option<Array2<f64>>,
-    ) -> Result<(Solution, Measured)> {
+    ) -> Result<(Solution, Measured<'a>)> {
         self.stage.check()?;
         let step = TimeStep::backward_euler(history, dt);
         let force = match self.now.force.take() {
             Some(force) => force,
-            None => self.force(&self.now.norms, history.state)?,
+            None => self.force(&self.now.norms, &history.state.into())?,
         };
         let masses = self.now.masses.clone();
         let state = self.solve(history, &step, force, &masses, guess)?;
@@ -197,24 +199,23 @@ impl<'a> StepSolver<'a> {
         history: &History,
         dt: f64,
         guess: Option<Array2<f64>>,
-    ) -> Result<(Solution, Measured)> {
+    ) -> Result<(Solution, Measured<'a>)> {
         self.stage.check()?;
         let mut norms = None;
         let mut masses = self.now.masses.clone();
-        let mut step = TimeStep::backward_euler(history, dt);
-        if let (Some(bdf2), Some((_, growth)), Some((norms_before, masses_before))) = (
-            TimeStep::bdf2(history, dt),
-            history.usable(dt),
-            &self.before,
-        ) {
-            step = bdf2;
-            match self.law.moves_masses() {
-                true => masses = predicted_masses(&masses, masses_before, growth),
-                false => norms = Some(predicted_gradients(&self.now.norms, norms_before, growth)),
+        let step = match (history.usable(dt), &self.before) {
+            (Some(usable), Some((norms_before, masses_before))) => {
+                let (now, growth) = (&self.now, usable.growth);
+                match self.law.moves_masses() {
+                    true => masses = predicted_masses(&masses, masses_before, growth).into(),
+                    false => norms = Some(predicted_gradients(&now.norms, norms_before, growth)),
+                }
+                TimeStep::bdf2(history.state, &usable, dt)
             }
-        }
+            _ => TimeStep::backward_euler(history, dt),
+        };
         let weighing = norms.as_deref().unwrap_or(&self.now.norms);
-        let force = self.force(weighing, history.state)?;
+        let force = self.force(weighing, &history.state.into())?;
         drop(norms);
         let mut state = self.solve(history, &step, force, &masses, guess)?;
         if !self.law.is_linear() {
@@ -241,7 +242,7 @@ impl<'a> StepSolver<'a> {
             .set_matrix(masses, &force.couplings, step.tau, self.stage)?;
         let residual = force.residual(step, masses, history.state);
         self.stage.check()?;
-        let mut state = self.increment(residual, step, masses, history.state, guess)?;
+        let mut state = self.increment(&residual, step, masses, history.state, guess)?;
         let add = |value: &mut f64, start: &f64| *value += start;
         Zip::from(&mut state).and(&history.state).par_for_each(add);
         self.stage.check()?;
@@ -251,20 +252,18 @@ impl<'a> StepSolver<'a> {
     /// The solution for the `residual` at `start`, with the matrix at hand.
     fn increment(
         &mut self,
-        residual: Array2<f64>,
+        residual: &Array2<f64>,
         step: &TimeStep,
         masses: &[f64],
         start: ArrayView2<f64>,
         guess: Option<Array2<f64>>,
     ) -> Result<Array2<f64>> {
-        let again = (!self.solver.is_exact()).then(|| residual.clone());
+        let is_exact = self.solver.is_exact();
         let (guess, tolerance) = (guess.as_ref(), self.tolerance);
         let mut increment = self.solver.solve(residual, guess, tolerance, self.stage)?;
         self.stage.check()?;
         let shift = self.means.restore(&mut increment, step, masses, start);
-        if let Some(residual) = again
-            && (shift.is_nan() || shift > LARGEST_SHIFT)
-        {
+        if !is_exact && (shift.is_nan() || shift > LARGEST_SHIFT) {
             increment = self.solver.solve_exactly(residual, self.stage)?;
             self.means.restore(&mut increment, step, masses, start);
         }
@@ -275,56 +274,45 @@ impl<'a> StepSolver<'a> {
     /// with the best step length.
     fn correct(&mut self, step: &TimeStep, masses: &[f64], state: &mut Array2<f64>) -> Result<()> {
         let gradient = self.operators.gradient();
-        let norms = gradient.norms(state.view());
+        let lanes = SideBySide::from(state.view());
+        let norms = gradient.norms(&lanes);
         self.stage.check()?;
-        let mut force = self.force(&norms, state.view())?;
+        let mut force = self.force(&norms, &lanes)?;
         let weights = std::mem::take(&mut force.weights);
         let descent = force.residual(step, masses, state.view());
-        let direction = self.increment(descent.clone(), step, masses, state.view(), None)?;
-        let products = descent.iter().zip(&direction).map(|(a, b)| a * b);
-        let start = -products.sum::<f64>();
+        let direction = self.increment(&descent, step, masses, state.view(), None)?;
+        let start = -inner_product(descent.view(), direction.view());
         drop(descent);
         self.stage.check()?;
-        let along = gradient.products(state.view(), direction.view());
+        let along = direction.view().into();
+        let line = Line::new(self.law, gradient, norms, &lanes, &along);
+        drop((lanes, along));
         self.stage.check()?;
-        let line = Line {
-            law: self.law,
-            areas: gradient.face_areas(),
-            along,
-            squared: gradient.products(direction.view(), direction.view()),
-            norms,
-        };
-        self.stage.check()?;
-        let mut quadratic = 0.0;
-        for row in direction.rows() {
-            let terms = row
-                .iter()
-                .zip(masses)
-                .map(|(value, mass)| mass * value * value);
-            quadratic += terms.sum::<f64>();
-        }
+        let quadratic = squared_norm(direction.view(), masses);
         let linear = start - step.tau * line.slope_at_start(&weights);
         drop(weights);
         self.stage.check()?;
         let slope = |alpha: f64| linear + alpha * quadratic + step.tau * line.slope(alpha);
         let length = least_along(start, slope);
         self.stage.check()?;
-        state.scaled_add(length, &direction);
+        let advance = |value: &mut f64, direction: &f64| *value += length * direction;
+        Zip::from(state).and(&direction).par_for_each(advance);
         self.stage.check()?;
         Ok(())
     }
 
-    fn force(&self, norms: &[f64], state: ArrayView2<f64>) -> Result<Force> {
+    fn force(&self, norms: &[f64], state: &SideBySide) -> Result<Force> {
         Force::new(self.operators, self.law, norms, state, self.stage)
     }
 
     /// Measures a state and adds the duality gap of a TV step, for the dual field w ∇u.
-    fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Result<(Solution, Measured)> {
-        let mut next = measured(self.operators, self.law, state.view());
+    fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Result<(Solution, Measured<'a>)> {
+        let lanes = state.view().into();
+        let mut next = measured(self.operators, self.law, state.view(), &lanes);
         self.stage.check()?;
         let mut gap = 0.0;
         if self.law.is_total_variation() {
-            let force = self.force(&next.norms, state.view())?;
+            let force = self.force(&next.norms, &lanes)?;
             gap = force.gap(self.operators, step, &next.norms, state.view());
             next.force = Some(force);
         }
@@ -341,13 +329,19 @@ impl<'a> StepSolver<'a> {
     }
 }
 
-fn measured(operators: &Discretization, law: &dyn Law, state: ArrayView2<f64>) -> Measured {
-    let norms = operators.gradient().norms(state);
+/// Measures a `state`, whose channels are side by side in `lanes`.
+fn measured<'a>(
+    operators: &'a Discretization,
+    law: &dyn Law,
+    state: ArrayView2<f64>,
+    lanes: &SideBySide,
+) -> Measured<'a> {
+    let norms = operators.gradient().norms(lanes);
     let masses = law.masses(state);
     Measured {
         total_variation: variation(operators, &norms),
         norms,
-        masses: masses.unwrap_or_else(|| operators.masses().to_vec()),
+        masses: masses.map_or(operators.masses().into(), Cow::Owned),
         force: None,
     }
 }

@@ -33,25 +33,33 @@ impl TimeStep {
         }
     }
 
-    /// Variable-step BDF2: û = u + κ (u − u₋), κ = ω²/(1 + 2ω), τ = Δt (1 + ω)/(1 + 2ω), with
-    /// ω = Δt/Δt₋; `None` where there is no history or the step grows too much.
-    pub fn bdf2(history: &History, dt: f64) -> Option<Self> {
-        let (previous, growth) = history.usable(dt)?;
+    /// Variable-step BDF2: û = u + κ (u − u₋), κ = ω²/(1 + 2ω), τ = Δt (1 + ω)/(1 + 2ω).
+    pub fn bdf2(state: ArrayView2<f64>, usable: &Usable, dt: f64) -> Self {
+        let growth = usable.growth;
         let kappa = growth * growth / (1.0 + 2.0 * growth);
-        Some(Self {
-            data: Zip::from(&history.state)
-                .and(&previous)
+        Self {
+            data: Zip::from(&state)
+                .and(&usable.previous)
                 .par_map_collect(|now, before| now + kappa * (now - before)),
             tau: dt * (1.0 + growth) / (1.0 + 2.0 * growth),
-        })
+        }
     }
 }
 
+/// A state before the last that can be extrapolated from.
+pub struct Usable<'a> {
+    /// u₋, (C, V).
+    pub previous: ArrayView2<'a, f64>,
+    /// ω = Δt/Δt₋.
+    pub growth: f64,
+}
+
 impl<'a> History<'a> {
-    /// u₋ and ω = Δt/Δt₋; `None` as for [`TimeStep::bdf2`].
-    pub fn usable(&self, dt: f64) -> Option<(ArrayView2<'a, f64>, f64)> {
+    /// What a step of length `dt` can be extrapolated from; `None` where there is no history or
+    /// the step grows too much.
+    pub fn usable(&self, dt: f64) -> Option<Usable<'a>> {
         let (previous, previous_dt) = self.previous?;
         let growth = dt / previous_dt;
-        (growth <= LARGEST_GROWTH).then_some((previous, growth))
+        (growth <= LARGEST_GROWTH).then_some(Usable { previous, growth })
     }
 }

@@ -152,7 +152,7 @@ impl Trajectory {
         let merged = (1..times.len()).map(|_| {
             let parts: Vec<_> = remaining.iter_mut().filter_map(Iterator::next).collect();
             let values: Vec<_> = parts.iter().map(Increment::values).collect();
-            Increment::new(stacked(&values), parts[0].precision())
+            Increment::new(&stacked(&values), parts[0].precision())
         });
         Self {
             increments: merged.collect(),

@@ -18,8 +18,9 @@ pub fn velocity(
     state: ArrayView2<f64>,
     stage: Stage,
 ) -> Result<Array2<f64>> {
-    let norms = operators.gradient().norms(state);
-    let force = Force::new(operators, law, &norms, state, stage)?;
+    let lanes = state.into();
+    let norms = operators.gradient().norms(&lanes);
+    let force = Force::new(operators, law, &norms, &lanes, stage)?;
     Ok(match law.masses(state) {
         Some(masses) => force.flux / aview1(&masses),
         None => force.flux / aview1(operators.masses()),

@@ -80,7 +80,7 @@ pub(super) fn outward_signs(
     for (vertex, (displacement, normal)) in columns().zip(normals.columns()).enumerate() {
         data[[0, vertex]] = masses[vertex] * displacement.dot(&normal) / mean;
     }
-    let smoothed = solver.solve(data, None, TOLERANCE, stage)?;
+    let smoothed = solver.solve(&data, None, TOLERANCE, stage)?;
     Ok(smoothed
         .iter()
         .map(|&s| if s < 0.0 { -1.0 } else { 1.0 })

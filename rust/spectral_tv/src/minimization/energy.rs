@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::minimization::fields::{TangentField, inner_products};
 use crate::minimization::line_search::least_along;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, FaceVector};
+use crate::operators::{Discretization, FaceVector, inner_product, squared_norm};
 
 /// A convex energy of functions on a mesh, provided that n w(n) grows with n.
 #[derive(Clone, Copy)]
@@ -100,7 +100,7 @@ impl Energy<'_> {
         descent: &Array2<f64>,
         stage: Stage,
     ) -> Result<f64> {
-        let start = -(descent * direction).sum();
+        let start = -inner_product(descent.view(), direction.view());
         let restricted = self.restricted(slope, direction, start, stage)?;
         // Where the slope is 0 the search ends.
         let length = least_along(start, |alpha| match stage.check() {
@@ -126,12 +126,7 @@ impl Energy<'_> {
         let along = inner_products(&slope.gradients, &changes);
         let squared = inner_products(&changes, &changes);
         stage.check()?;
-        let mut quadratic = 0.0;
-        for row in direction.rows() {
-            for (value, mass) in row.iter().zip(self.masses) {
-                quadratic += mass * value * value;
-            }
-        }
+        let quadratic = squared_norm(direction.view(), self.masses);
         let areas = self.operators.gradient().face_areas();
         let variation = move |alpha: f64| -> f64 {
             let norms: Vec<f64> = (0..areas.len())

@@ -3,12 +3,12 @@
 //! Everything is gathered, nothing scattered: threads share the work and results do not depend
 //! on how.
 
-use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
+use ndarray::{Array2, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::monitor::Stage;
-use crate::operators::lanes::{WIDTH, side_by_side};
+use crate::operators::side_by_side::{Lanes, SideBySide, WIDTH};
 use crate::operators::{Gradient, LaplacianPattern, Neighbour};
 
 /// Edges or vertices that one thread works on at a time.
@@ -89,13 +89,15 @@ impl EdgeLaplacian {
     }
 
     /// L u for `values` u (C, V).
-    pub fn apply(&self, couplings: &[f64], values: ArrayView2<f64>) -> Array2<f64> {
-        let mut product = Array2::zeros(values.dim());
-        let blocks = values.axis_chunks_iter(Axis(0), WIDTH);
-        for (values, product) in blocks.zip(product.axis_chunks_iter_mut(Axis(0), WIDTH)) {
-            match values.nrows() {
-                1 => self.apply_to::<1>(couplings, values, product),
-                _ => self.apply_to::<WIDTH>(couplings, values, product),
+    pub fn apply(&self, couplings: &[f64], values: &SideBySide) -> Array2<f64> {
+        let mut product = Array2::zeros((values.channel_count(), self.starts.len() - 1));
+        match values {
+            SideBySide::One(lanes) => self.apply_to(couplings, lanes, product.view_mut()),
+            SideBySide::Several { blocks, .. } => {
+                let products = product.axis_chunks_iter_mut(Axis(0), WIDTH);
+                for (lanes, product) in blocks.iter().zip(products) {
+                    self.apply_to(couplings, lanes, product);
+                }
             }
         }
         product
@@ -105,29 +107,39 @@ impl EdgeLaplacian {
     fn apply_to<const L: usize>(
         &self,
         couplings: &[f64],
-        values: ArrayView2<f64>,
+        lanes: &[Lanes<L>],
         mut product: ArrayViewMut2<f64>,
     ) {
-        let lanes = side_by_side::<L>(values);
         let chunks = product.axis_chunks_iter_mut(Axis(1), CHUNK).into_par_iter();
         chunks.enumerate().for_each(|(chunk, mut product)| {
-            for (offset, mut column) in product.columns_mut().into_iter().enumerate() {
-                let vertex = chunk * CHUNK + offset;
-                let bounds = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
-                let own = lanes[vertex];
-                let mut sum = [0.0; L];
-                for &(other, entry) in &self.neighbours[bounds] {
-                    let (coupling, other) = (couplings[entry as usize], &lanes[other as usize]);
-                    for lane in 0..L {
-                        sum[lane] += coupling * (own[lane] - other[lane]);
-                    }
+            let rows = product.rows_mut().into_iter();
+            let mut rows: Vec<&mut [f64]> = rows.filter_map(|row| row.into_slice()).collect();
+            for (offset, own) in lanes[chunk * CHUNK..].iter().take(CHUNK).enumerate() {
+                let sum = self.at_vertex(chunk * CHUNK + offset, own, couplings, lanes);
+                for (row, sum) in rows.iter_mut().zip(sum) {
+                    row[offset] = sum;
                 }
-                column
-                    .iter_mut()
-                    .zip(sum)
-                    .for_each(|(value, sum)| *value = sum);
             }
         });
+    }
+
+    #[inline(always)]
+    fn at_vertex<const L: usize>(
+        &self,
+        vertex: usize,
+        own: &Lanes<L>,
+        couplings: &[f64],
+        lanes: &[Lanes<L>],
+    ) -> Lanes<L> {
+        let bounds = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
+        let mut sum = [0.0; L];
+        for &(other, entry) in &self.neighbours[bounds] {
+            let (coupling, other) = (couplings[entry as usize], &lanes[other as usize]);
+            for lane in 0..L {
+                sum[lane] += coupling * (own[lane] - other[lane]);
+            }
+        }
+        sum
     }
 }
 
@@ -172,7 +184,8 @@ mod tests {
         let edges = EdgeLaplacian::new(&gradient, &pattern, monitor.whole()).unwrap();
         let weights = [2.0, 0.5, 3.0, 7.0];
         let values = ndarray::arr2(&[[1.0, -2.0, 0.5, 3.0, 1.0], [0.0, 4.0, 1.0, -1.0, 2.0]]);
-        let product = edges.apply(&edges.couplings(&weights), values.view());
+        let couplings = edges.couplings(&weights);
+        let product = edges.apply(&couplings, &values.view().into());
         for (row, channel) in product.rows().into_iter().zip(values.rows()) {
             let expected = gradient.weighted_laplacian(&weights, channel);
             assert!(row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12));

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use ndarray::{ArrayView1, ArrayView2, Axis};
+use ndarray::ArrayView1;
 use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
 use crate::mesh::TriangleMesh;
-use crate::operators::lanes::{Lanes, WIDTH, side_by_side};
+use crate::operators::side_by_side::{Lanes, SideBySide};
 
 /// Faces that are worth handing to another thread.
 const CHUNK: usize = 1 << 12;
@@ -66,8 +66,7 @@ impl Gradient {
     #[inline]
     pub fn on_face(&self, face: usize, channel: &ArrayView1<f64>) -> FaceVector {
         let corners = self.triangles[face].map(|corner| [channel[corner as usize]]);
-        self.of_corners(face, corners.each_ref())
-            .map(|[component]| component)
+        on_corners(&self.hats[face], corners.each_ref()).map(|[component]| component)
     }
 
     /// ∇u of one channel on every face.
@@ -78,65 +77,65 @@ impl Gradient {
     }
 
     /// |∇u| on every face, over all channels of `values` (C, V) together.
-    pub fn norms(&self, values: ArrayView2<f64>) -> Vec<f64> {
-        let mut norms = self.products(values, values);
-        let norms_mut = norms.par_iter_mut().with_min_len(CHUNK);
-        norms_mut.for_each(|norm| *norm = norm.sqrt());
-        norms
-    }
-
-    /// ⟨∇a, ∇b⟩ on every face, over all channels of `a` and `b` (C, V) together.
-    pub fn products(&self, a: ArrayView2<f64>, b: ArrayView2<f64>) -> Vec<f64> {
-        if a.nrows() == 1 {
-            return self.products_of::<1>(a, b);
+    pub fn norms(&self, values: &SideBySide) -> Vec<f64> {
+        match values {
+            SideBySide::One(lanes) => self.on_all(|face| self.square(face, lanes).sqrt()),
+            SideBySide::Several { blocks, .. } => match &blocks[..] {
+                [lanes] => self.on_all(|face| self.square(face, lanes).sqrt()),
+                blocks => self.on_all(|face| {
+                    let squares = blocks.iter().map(|lanes| self.square(face, lanes));
+                    squares.sum::<f64>().sqrt()
+                }),
+            },
         }
-        let blocks = a.axis_chunks_iter(Axis(0), WIDTH);
-        let blocks = blocks.zip(b.axis_chunks_iter(Axis(0), WIDTH));
-        let products = blocks.map(|(a, b)| self.products_of::<WIDTH>(a, b));
-        products
-            .reduce(|mut sum, of_block| {
-                let sums = sum.par_iter_mut().with_min_len(CHUNK);
-                sums.zip(of_block)
-                    .for_each(|(sum, product)| *sum += product);
-                sum
-            })
-            .unwrap_or_default()
     }
 
-    /// [`Self::products`] of at most L channels.
-    fn products_of<const L: usize>(&self, a: ArrayView2<f64>, b: ArrayView2<f64>) -> Vec<f64> {
-        let left = side_by_side::<L>(a);
-        let is_same = a.as_ptr() == b.as_ptr() && a.strides() == b.strides();
-        let right = (!is_same).then(|| side_by_side::<L>(b));
-        let faces = (0..self.hats.len()).into_par_iter();
-        let products = faces.with_min_len(CHUNK).map(|face| {
-            let of_left = self.on_lanes(face, &left);
-            let of_right = right.as_ref().map(|right| self.on_lanes(face, right));
-            let of_right = of_right.unwrap_or(of_left);
-            let axes = of_left.iter().flatten().zip(of_right.iter().flatten());
-            axes.map(|(a, b)| a * b).sum()
-        });
-        products.collect()
+    /// ⟨∇a, ∇b⟩ and |∇b|² on every face, over all channels of `a` and `b` (C, V) together.
+    ///
+    /// # Panics
+    /// If one has a single channel, and the other several.
+    pub fn products(&self, a: &SideBySide, b: &SideBySide) -> Vec<[f64; 2]> {
+        match (a, b) {
+            (SideBySide::One(a), SideBySide::One(b)) => {
+                self.on_all(|face| self.product(face, a, b))
+            }
+            (SideBySide::Several { blocks: a, .. }, SideBySide::Several { blocks: b, .. }) => {
+                match (&a[..], &b[..]) {
+                    ([a], [b]) => self.on_all(|face| self.product(face, a, b)),
+                    (a, b) => self.on_all(|face| {
+                        let blocks = a.iter().zip(b);
+                        let products = blocks.map(|(a, b)| self.product(face, a, b));
+                        products.fold([0.0; 2], |[p, q], [x, y]| [p + x, q + y])
+                    }),
+                }
+            }
+            _ => panic!("both functions have as many channels"),
+        }
+    }
+
+    fn on_all<T: Send>(&self, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        let faces = (0..self.hats.len()).into_par_iter().with_min_len(CHUNK);
+        faces.map(value).collect()
+    }
+
+    #[inline(always)]
+    fn square<const L: usize>(&self, face: usize, lanes: &[Lanes<L>]) -> f64 {
+        let [x, y] = self.on_lanes(face, lanes);
+        dot(&x, &x) + dot(&y, &y)
+    }
+
+    #[inline(always)]
+    fn product<const L: usize>(&self, face: usize, a: &[Lanes<L>], b: &[Lanes<L>]) -> [f64; 2] {
+        let ([p, q], [x, y]) = (self.on_lanes(face, a), self.on_lanes(face, b));
+        [dot(&p, &x) + dot(&q, &y), dot(&x, &x) + dot(&y, &y)]
     }
 
     /// The two components of ∇u of all lanes on one face.
-    #[inline]
-    fn on_lanes<const L: usize>(&self, face: usize, lanes: &[Lanes<L>]) -> [Lanes<L>; 2] {
-        let corners = self.triangles[face].map(|corner| &lanes[corner as usize]);
-        self.of_corners(face, corners)
-    }
-
-    /// The same, given the values at the face's corners.
     #[inline(always)]
-    fn of_corners<const L: usize>(&self, face: usize, [i, j, k]: [&Lanes<L>; 3]) -> [Lanes<L>; 2] {
-        let [hat_i, hat_j, hat_k] = self.hats[face];
-        debug_assert!((hat_i[0] + hat_j[0] + hat_k[0]).abs() <= 1e-6 * hat_i[0].abs().max(1.0));
-        // Differences, so that adding a constant to u changes nothing.
-        [0, 1].map(|axis| {
-            std::array::from_fn(|lane| {
-                hat_j[axis] * (j[lane] - i[lane]) + hat_k[axis] * (k[lane] - i[lane])
-            })
-        })
+    fn on_lanes<const L: usize>(&self, face: usize, lanes: &[Lanes<L>]) -> [Lanes<L>; 2] {
+        let [i, j, k] = self.triangles[face];
+        let corners = [&lanes[i as usize], &lanes[j as usize], &lanes[k as usize]];
+        on_corners(&self.hats[face], corners)
     }
 
     /// Gᵀ A z: the integrated negative divergence at every vertex of a field with one vector
@@ -174,6 +173,32 @@ impl Gradient {
     }
 }
 
+#[inline(always)]
+fn dot<const L: usize>(a: &Lanes<L>, b: &Lanes<L>) -> f64 {
+    let mut sum = 0.0;
+    for lane in 0..L {
+        sum += a[lane] * b[lane];
+    }
+    sum
+}
+
+/// The two components of ∇u of all lanes on a face, from the values at its corners.
+#[inline(always)]
+fn on_corners<const L: usize>(
+    [hat_i, hat_j, hat_k]: &[FaceVector; 3],
+    [i, j, k]: [&Lanes<L>; 3],
+) -> [Lanes<L>; 2] {
+    debug_assert!((hat_i[0] + hat_j[0] + hat_k[0]).abs() <= 1e-6 * hat_i[0].abs().max(1.0));
+    let mut gradient = [[0.0; L]; 2];
+    for lane in 0..L {
+        // Differences, so that adding a constant to u changes nothing.
+        let (along_j, along_k) = (j[lane] - i[lane], k[lane] - i[lane]);
+        gradient[0][lane] = hat_j[0] * along_j + hat_k[0] * along_k;
+        gradient[1][lane] = hat_j[1] * along_j + hat_k[1] * along_k;
+    }
+    gradient
+}
+
 /// ∇λ of each corner, from the triangle laid out in the plane; zero for a face without area.
 fn hat_gradients([a, b, c]: [f64; 3], area: f64) -> [FaceVector; 3] {
     if area == 0.0 {
@@ -199,7 +224,7 @@ mod tests {
         let triangles = [[0, 1, 2], [1, 3, 2]];
         let mesh = TriangleMesh::new(vertices.clone(), &triangles).unwrap();
         let positions = Array2::from_shape_fn((3, 4), |(c, v)| vertices[v][c]);
-        for norm in Gradient::new(&mesh).norms(positions.view()) {
+        for norm in Gradient::new(&mesh).norms(&positions.view().into()) {
             assert!((norm - 2.0_f64.sqrt()).abs() < 1e-12);
         }
     }

@@ -8,7 +8,7 @@ use crate::operators::Gradient;
 /// NETV for one channel, VNETV for several (Brokman et al. 2024, Eqs. 13 and 54).
 pub fn total_variation(gradient: &Gradient, values: ArrayView2<f64>) -> f64 {
     gradient
-        .norms(values)
+        .norms(&values.into())
         .iter()
         .zip(gradient.face_areas())
         .map(|(norm, area)| area * norm)

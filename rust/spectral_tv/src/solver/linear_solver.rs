@@ -189,7 +189,7 @@ impl LinearSolver {
     /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
     pub fn solve(
         &mut self,
-        right_hand_sides: Array2<f64>,
+        right_hand_sides: &Array2<f64>,
         guess: Option<&Array2<f64>>,
         tolerance: f64,
         stage: Stage,
@@ -212,16 +212,17 @@ impl LinearSolver {
     /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
     pub fn solve_exactly(
         &mut self,
-        mut right_hand_sides: Array2<f64>,
+        right_hand_sides: &Array2<f64>,
         stage: Stage,
     ) -> Result<Array2<f64>> {
         if !self.is_exact() {
             self.factorize(stage)?;
         }
+        let mut solutions = right_hand_sides.clone();
         if let Some(cholesky) = &mut self.cholesky {
-            cholesky.solve_in_place(&mut right_hand_sides);
+            cholesky.solve_in_place(&mut solutions);
         }
-        Ok(right_hand_sides)
+        Ok(solutions)
     }
 
     /// Whether solutions begin with a guess.

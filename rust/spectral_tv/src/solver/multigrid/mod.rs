@@ -179,7 +179,7 @@ impl Multigrid {
     ) -> Result<()> {
         let iteration = iteration.get_or_insert_with(|| Iteration::new(&self.hierarchy));
         // Single precision has no room for lengths of any unit.
-        let largest = problem.rows.iter().fold(0.0_f64, |max, b| max.max(b.abs()));
+        let largest = system::largest(problem.rows);
         if largest == 0.0 {
             return Ok(());
         }

@@ -1,11 +1,15 @@
 //! Between a system as its owner has it and as the levels do: other order, other precision.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::parallel::prelude::*;
+use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::solver::multigrid::matrix::{Lanes, Matrix, chunk_length, split_at_rows};
 use crate::solver::multigrid::ordering::Ordering;
+
+/// Vertices that one thread works on at a time.
+const CHUNK: usize = 1 << 13;
 
 /// The finest matrix, without values.
 pub(super) fn pattern(ordering: &Ordering) -> Matrix {
@@ -81,12 +85,24 @@ pub(super) fn scatter<const L: usize>(
     values: &mut Array2<f64>,
     first: usize,
 ) {
-    let rows = values.outer_iter_mut().skip(first).take(L).enumerate();
-    for (lane, mut row) in rows {
-        let row = row.as_slice_mut().expect("channels are contiguous");
-        let places = ordering.places.par_iter().with_min_len(1 << 13);
-        let entries = row.par_iter_mut().zip(places);
-        entries
-            .for_each(|(value, &place)| *value = f64::from(lanes[place as usize][lane]) / factor);
-    }
+    let (_, rows) = values.view_mut().split_at(Axis(0), first);
+    let count = L.min(rows.nrows());
+    let (mut rows, _) = rows.split_at(Axis(0), count);
+    let parts = rows.axis_chunks_iter_mut(Axis(1), CHUNK).into_par_iter();
+    let parts = parts.zip(ordering.places.par_chunks(CHUNK));
+    parts.for_each(|(mut rows, places)| {
+        for (mut column, &place) in rows.columns_mut().into_iter().zip(places) {
+            let lanes = &lanes[place as usize];
+            for (value, lane) in column.iter_mut().zip(lanes) {
+                *value = f64::from(*lane) / factor;
+            }
+        }
+    });
+}
+
+/// The largest magnitude in `values` (C, V).
+pub(super) fn largest(values: ArrayView2<f64>) -> f64 {
+    let parts = values.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
+    let parts = parts.map(|part| part.fold(0.0_f64, |max, value| max.max(value.abs())));
+    parts.reduce(|| 0.0, f64::max)
 }

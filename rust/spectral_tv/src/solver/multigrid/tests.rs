@@ -123,9 +123,7 @@ fn what_does_not_converge_is_factorized() {
         .set_matrix(&masses, &couplings, 1.0, monitor.whole())
         .unwrap();
     let right = functions(1, 400);
-    let solution = solver
-        .solve(right.clone(), None, 1e-6, monitor.whole())
-        .unwrap();
+    let solution = solver.solve(&right, None, 1e-6, monitor.whole()).unwrap();
     let expected = factorized(&lower, &right);
     assert!(largest(&(solution - &expected)) < 1e-5 * largest(&expected));
 }
