@@ -7,40 +7,43 @@ const SLOPE_TOLERANCE: f64 = 1e-2;
 const MOST_EVALUATIONS: usize = 20;
 
 /// The α in [0, 2] that minimises a convex function, given its `slope` and the slope at 0,
-/// `start`: the root of the slope, by regula falsi (Illinois); 0 where nothing descends.
+/// `start`: the root of the slope, by secants from α = 1 on, and by regula falsi (Illinois) once it
+/// lies between two of them; 0 where nothing descends.
 pub fn least_along(start: f64, slope: impl Fn(f64) -> f64) -> f64 {
     if start >= 0.0 {
         return 0.0;
     }
-    let (mut low, mut low_value) = (0.0, start);
-    let (mut high, mut high_value) = (1.0, slope(1.0));
-    if high_value < 0.0 {
-        (low, low_value) = (high, high_value);
-        (high, high_value) = (LONGEST, slope(LONGEST));
-        if high_value <= 0.0 {
-            return LONGEST;
-        }
-    }
+    let (mut before, mut low, mut high) = ((0.0, start), (0.0, start), None);
+    let mut was_high = None;
     let mut alpha = 1.0;
     for _ in 0..MOST_EVALUATIONS {
-        let value = match alpha {
-            _ if alpha == low => low_value,
-            _ if alpha == high => high_value,
-            _ => slope(alpha),
-        };
-        if value.abs() <= SLOPE_TOLERANCE * start.abs() {
+        let value = slope(alpha);
+        let is_end = alpha == LONGEST && value < 0.0;
+        if is_end || value.abs() <= SLOPE_TOLERANCE * start.abs() {
             break;
         }
-        if value > 0.0 {
-            (high, high_value) = (alpha, value);
-            low_value *= 0.5;
+        let is_high = value > 0.0;
+        let is_stuck = was_high.replace(is_high) == Some(is_high);
+        if is_high {
+            high = Some((alpha, value));
+            low.1 *= if is_stuck { 0.5 } else { 1.0 };
         } else {
-            (low, low_value) = (alpha, value);
-            high_value *= 0.5;
+            (before, low) = (low, (alpha, value));
+            if let Some(high) = high.as_mut().filter(|_| is_stuck) {
+                high.1 *= 0.5;
+            }
         }
-        alpha = low - low_value * (high - low) / (high_value - low_value);
+        alpha = match high {
+            Some(high) => root_between(low, high),
+            None => root_between(before, low).min(LONGEST),
+        };
     }
     alpha
+}
+
+/// Where the line through two points (place, value) is 0.
+fn root_between((a, at_a): (f64, f64), (b, at_b): (f64, f64)) -> f64 {
+    b - at_b * (b - a) / (at_b - at_a)
 }
 
 #[cfg(test)]
@@ -51,7 +54,19 @@ mod tests {
     fn the_slope_nearly_vanishes_at_the_least_value() {
         let slope = |alpha: f64| alpha.powi(3) - 0.3;
         assert!(slope(least_along(-0.3, slope)).abs() <= 1e-2 * 0.3);
+        for root in [0.3, 0.999, 1.02, 1.9] {
+            for slope in [
+                |alpha: f64, root: f64| alpha - root,
+                |alpha: f64, root: f64| alpha.exp() - root.exp(),
+                |alpha: f64, root: f64| (alpha - root).signum() * (alpha - root).abs().sqrt(),
+                |alpha: f64, root: f64| (alpha - root).powi(3),
+            ] {
+                let found = least_along(slope(0.0, root), |alpha| slope(alpha, root));
+                assert!(slope(found, root).abs() <= 1e-2 * slope(0.0, root).abs());
+            }
+        }
         assert_eq!(least_along(-9.0, |alpha| alpha - 9.0), 2.0);
+        assert_eq!(least_along(-9.0, |_| -9.0), 2.0);
         assert_eq!(least_along(0.0, |_| 0.0), 0.0);
     }
 }
