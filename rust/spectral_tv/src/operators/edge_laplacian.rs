@@ -76,7 +76,7 @@ impl EdgeLaplacian {
             return vec![0.0; self.faces.len()];
         }
         let coupling = |(faces, cotangents): (&[u32; 2], &[f64; 2])| {
-            let [a, b] = faces.map(|face| weights[face as usize]);
+            let (a, b) = (weights[faces[0] as usize], weights[faces[1] as usize]);
             cotangents[0] * a + cotangents[1] * b
         };
         let entries = self.faces.par_iter().zip(&self.cotangents);

@@ -80,18 +80,22 @@ impl Smoother {
         x.fill([0.0; L]);
         for offset in 0..x.len() {
             let row = first + offset;
-            let mut value = right_hand_side[offset];
+            // Two sums, as one waits for its last addition.
+            let mut sums = [right_hand_side[offset], [0.0; L]];
             for octet in matrix.row(row) {
-                for (column, coupling) in octet.columns.iter().zip(octet.couplings) {
+                for (entry, column) in octet.columns.iter().enumerate() {
                     // Values not yet known and those of other parts are 0.
                     if let Some(other) = x.get((*column as usize).wrapping_sub(first)) {
+                        let sum = &mut sums[entry % 2];
                         for lane in 0..L {
-                            value[lane] += coupling * other[lane];
+                            sum[lane] += octet.couplings[entry] * other[lane];
                         }
                     }
                 }
             }
-            x[offset] = value.map(|value| self.inverse[row] * value);
+            for lane in 0..L {
+                x[offset][lane] = self.inverse[row] * (sums[0][lane] + sums[1][lane]);
+            }
         }
     }
 
@@ -136,21 +140,26 @@ impl Smoother {
         for offset in (0..x.len()).rev() {
             let row = first + offset;
             let (own, mass) = (x[offset], matrix.masses[row]);
-            let mut value: Lanes<L> =
-                std::array::from_fn(|lane| right_hand_side[row][lane] - mass * own[lane]);
+            let mut sums = [[0.0; L]; 2];
+            for lane in 0..L {
+                sums[0][lane] = right_hand_side[row][lane] - mass * own[lane];
+            }
             for octet in matrix.row(row) {
                 for (entry, column) in octet.columns.iter().enumerate() {
+                    let sum = &mut sums[entry % 2];
                     match x.get((*column as usize).wrapping_sub(first)) {
-                        Some(other) => accumulate(&mut value, octet, entry, other, &own),
+                        Some(other) => accumulate(sum, octet, entry, other, &own),
                         None => {
                             let other = elsewhere(old, *column);
-                            accumulate(&mut value, octet, entry, &other, &own);
+                            accumulate(sum, octet, entry, &other, &own);
                         }
                     }
                 }
             }
             let inverse = self.inverse[row];
-            x[offset] = std::array::from_fn(|lane| own[lane] + inverse * value[lane]);
+            for lane in 0..L {
+                x[offset][lane] = own[lane] + inverse * (sums[0][lane] + sums[1][lane]);
+            }
             dot.add(&right_hand_side[row], &x[offset]);
         }
         dot.finish()
