@@ -199,7 +199,8 @@ impl Multigrid {
             Some(fresh) if !is_fresh => (fresh + MOST_WASTED_ITERATIONS) as usize,
             _ => MOST_ITERATIONS,
         };
-        let mut report = iteration.run(&self.hierarchy, tolerance, most, stage)?;
+        let has_guess = problem.guess.is_some();
+        let mut report = iteration.run(&self.hierarchy, has_guess, tolerance, most, stage)?;
         if !report.has_converged && !is_fresh {
             // From where the iteration got to.
             self.lifetime = self.age.saturating_sub(1).max(1);
@@ -212,7 +213,7 @@ impl Multigrid {
                 largest.recip(),
                 right_hand_side,
             );
-            report = iteration.run(&self.hierarchy, tolerance, MOST_ITERATIONS, stage)?;
+            report = iteration.run(&self.hierarchy, true, tolerance, MOST_ITERATIONS, stage)?;
         }
         if !report.has_converged {
             self.is_stale = true;

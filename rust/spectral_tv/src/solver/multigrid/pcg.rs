@@ -51,20 +51,25 @@ impl<const L: usize> Iteration<L> {
         self.workspace = Workspace::new(hierarchy);
     }
 
-    /// Improves `solution` until its error is `tolerance` times itself in the energy norm, or
-    /// for `most` iterations.
+    /// Improves `solution`, which is 0 unless it `has_guess`, until its error is `tolerance` times
+    /// itself in the energy norm, or for `most` iterations.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn run(
         &mut self,
         hierarchy: &Hierarchy,
+        has_guess: bool,
         tolerance: f64,
         most: usize,
         stage: Stage,
     ) -> Result<Report> {
         let matrix = &hierarchy.levels[0].matrix;
-        let mut size = self.start(hierarchy);
+        let mut size = if has_guess {
+            self.start(hierarchy)
+        } else {
+            0.0
+        };
         stage.check()?;
         let mut energy = self
             .workspace
