@@ -75,11 +75,15 @@ impl<T: Send + 'static> Task<T> {
         }
     }
 
-    /// The outcome, if it comes within `timeout`; it is handed out once.
+    /// The outcome, if it comes within `timeout`; it is handed out once. Who cancels does not wait
+    /// for the thread to free what it took.
     fn receive(&self, timeout: Duration) -> Option<Outcome<T>> {
         let receiver = self.outcome.lock().unwrap_or_else(PoisonError::into_inner);
         match receiver.recv_timeout(timeout) {
             Ok(outcome) => Some(outcome),
+            Err(RecvTimeoutError::Timeout) if self.monitor.has_stopped() => {
+                Some(Ok(Err(spectral_tv::Error::Cancelled)))
+            }
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => Some(Err("the result was taken before".into())),
         }

@@ -15,6 +15,7 @@ const UNCHECKED: usize = 1 << 14;
 pub struct Monitor {
     fraction: AtomicU32,
     cancelled: AtomicBool,
+    stopped: AtomicBool,
 }
 
 impl Monitor {
@@ -38,10 +39,17 @@ impl Monitor {
     /// # Errors
     /// [`Error::Cancelled`].
     pub fn check(&self) -> Result<()> {
-        match self.cancelled.load(Ordering::Relaxed) {
-            true => Err(Error::Cancelled),
-            false => Ok(()),
+        if self.cancelled.load(Ordering::Relaxed) {
+            self.stopped.store(true, Ordering::Relaxed);
+            return Err(Error::Cancelled);
         }
+        Ok(())
+    }
+
+    /// Whether the work has seen that it is cancelled: all that it still does is to free what it
+    /// took.
+    pub fn has_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed)
     }
 
     /// The part [`from`, `to`] of the whole, to be handed to one stage of the work.
@@ -131,6 +139,7 @@ mod tests {
             }
         });
         assert!(matches!(outcome, Err(Error::Cancelled)));
+        assert!(monitor.has_stopped());
         assert!(done <= 2 * UNCHECKED);
     }
 

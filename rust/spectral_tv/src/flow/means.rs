@@ -116,8 +116,8 @@ impl Means {
 
 /// The largest of some values of 0 or more; NaN if one is.
 fn largest_or_nan(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |max, value| match value <= max {
-        true => max,
-        false => value,
+    values.fold(0.0, |max, value| match value > max || value.is_nan() {
+        true => value,
+        false => max,
     })
 }

@@ -127,10 +127,14 @@ impl<'a> StepSolver<'a> {
         };
         let demand = weights.demand(initial.nrows());
         let magnifies = law.moves_masses() || initial.nrows() == 1;
+        let now = measured(operators, law, initial, &initial.into());
+        stage.check()?;
+        let means = Means::new(operators);
+        stage.check()?;
         Ok(Self {
             tolerance: if magnifies { FINE_TOLERANCE } else { TOLERANCE },
-            now: measured(operators, law, initial, &initial.into()),
-            means: Means::new(operators),
+            now,
+            means,
             operators,
             law,
             solver: operators.pattern().solver(solver, demand, stage)?,
@@ -285,9 +289,10 @@ impl<'a> StepSolver<'a> {
         drop(descent);
         self.stage.check()?;
         let along = direction.view().into();
-        let line = Line::new(self.law, gradient, norms, &lanes, &along);
-        drop((lanes, along));
         self.stage.check()?;
+        let line = Line::new(self.law, gradient, norms, &lanes, &along);
+        self.stage.check()?;
+        drop((lanes, along));
         let quadratic = squared_norm(direction.view(), masses);
         let linear = start - step.tau * line.slope_at_start(&weights);
         drop(weights);

@@ -72,6 +72,7 @@ mod tests {
     use ndarray::array;
 
     use super::*;
+    use crate::monitor::Monitor;
     use crate::operators::{Gradient, total_variation};
 
     #[test]
@@ -81,7 +82,8 @@ mod tests {
         let corner = |dx: f64, dy: f64| dx.hypot(dy) / 4.0;
         let left = corner(3., 1.) + corner(3., -4.) + corner(-2., 1.) + corner(-2., -4.);
         let right = corner(-2., -4.) + corner(-2., 5.) + corner(7., -4.) + corner(7., 5.);
-        let found = total_variation(&Gradient::new(&mesh), values.view()) / COVER;
+        let gradient = Gradient::new(&mesh, Monitor::new().whole()).unwrap();
+        let found = total_variation(&gradient, values.view()) / COVER;
         assert!((found - left - right).abs() < 1e-12);
     }
 

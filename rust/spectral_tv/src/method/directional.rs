@@ -129,6 +129,7 @@ impl Displacement {
         solver: Solver,
         stage: Stage,
     ) -> Result<Self> {
+        stage.check()?;
         let normals = vertex_normals(base.view(), mesh.triangles());
         stage.check()?;
         let shape = positions(mesh);

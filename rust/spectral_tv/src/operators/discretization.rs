@@ -32,7 +32,7 @@ impl Discretization {
     /// [`Error::Cancelled`].
     pub fn new(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
         stage.check()?;
-        let gradient = Gradient::new(mesh);
+        let gradient = Gradient::new(mesh, stage)?;
         stage.check()?;
         let pattern = LaplacianPattern::new(&gradient, stage)?;
         let hats = gradient.hats().as_flattened().as_flattened();

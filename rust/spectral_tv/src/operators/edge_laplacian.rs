@@ -178,8 +178,8 @@ mod tests {
         // A non-manifold edge 1-2, a repeated index and a vertex without neighbours.
         let triangles = [[0, 1, 2], [1, 3, 2], [2, 1, 0], [3, 3, 1]];
         let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
-        let gradient = Gradient::new(&mesh);
         let monitor = Monitor::new();
+        let gradient = Gradient::new(&mesh, monitor.whole()).unwrap();
         let pattern = LaplacianPattern::new(&gradient, monitor.whole()).unwrap();
         let edges = EdgeLaplacian::new(&gradient, &pattern, monitor.whole()).unwrap();
         let weights = [2.0, 0.5, 3.0, 7.0];

@@ -6,11 +6,15 @@ use ndarray::ArrayView1;
 use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
+use crate::error::Result;
 use crate::mesh::TriangleMesh;
+use crate::monitor::Stage;
 use crate::operators::side_by_side::{Lanes, SideBySide};
 
 /// Faces that are worth handing to another thread.
 const CHUNK: usize = 1 << 12;
+/// Faces between two looks at whether the work was cancelled.
+const PIECE: usize = 1 << 18;
 
 /// A tangent vector of a face, in the face's own orthonormal frame, per unit of length.
 pub type FaceVector = [f64; 2];
@@ -29,17 +33,24 @@ pub struct Gradient {
 
 impl Gradient {
     /// The gradient operator of the mesh's metric.
-    pub fn new(mesh: &TriangleMesh) -> Self {
-        let areas = mesh.face_areas().par_iter().enumerate();
-        let hats = areas
-            .map(|(face, &area)| hat_gradients(mesh.edge_lengths(face), area))
-            .collect();
-        Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn new(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
+        let areas = mesh.face_areas();
+        let mut hats = Vec::with_capacity(areas.len());
+        for first in (0..areas.len()).step_by(PIECE) {
+            stage.check()?;
+            let faces = (first..areas.len().min(first + PIECE)).into_par_iter();
+            hats.par_extend(faces.map(|face| hat_gradients(mesh.edge_lengths(face), areas[face])));
+        }
+        stage.check()?;
+        Ok(Self {
             hats,
             triangles: Arc::clone(mesh.triangles()),
-            face_areas: mesh.face_areas().to_vec(),
+            face_areas: areas.to_vec(),
             vertex_count: mesh.vertex_count(),
-        }
+        })
     }
 
     /// Area of each face, length².
@@ -216,6 +227,7 @@ fn hat_gradients([a, b, c]: [f64; 3], area: f64) -> [FaceVector; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::Monitor;
     use ndarray::Array2;
 
     #[test]
@@ -224,7 +236,8 @@ mod tests {
         let triangles = [[0, 1, 2], [1, 3, 2]];
         let mesh = TriangleMesh::new(vertices.clone(), &triangles).unwrap();
         let positions = Array2::from_shape_fn((3, 4), |(c, v)| vertices[v][c]);
-        for norm in Gradient::new(&mesh).norms(&positions.view().into()) {
+        let gradient = Gradient::new(&mesh, Monitor::new().whole()).unwrap();
+        for norm in gradient.norms(&positions.view().into()) {
             assert!((norm - 2.0_f64.sqrt()).abs() < 1e-12);
         }
     }
@@ -233,7 +246,7 @@ mod tests {
     fn the_matrix_agrees_with_the_loops() {
         let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0.3, 2., 0.5], [1., 1., -1.]];
         let mesh = TriangleMesh::new(vertices, &[[0, 1, 2], [1, 3, 2]]).unwrap();
-        let gradient = Gradient::new(&mesh);
+        let gradient = Gradient::new(&mesh, Monitor::new().whole()).unwrap();
         let channel = ndarray::arr1(&[1.0, -2.0, 0.5, 3.0]);
         let product = &gradient.matrix() * &channel;
         for (face, vector) in gradient.apply(channel.view()).iter().enumerate() {

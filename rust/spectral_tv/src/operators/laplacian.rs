@@ -251,7 +251,7 @@ mod tests {
         // A fin on edge 1-2 makes it non-manifold; vertex 4 is in a repeated-index face only.
         let triangles = [[0, 1, 2], [1, 3, 2], [2, 1, 0], [4, 4, 1]];
         let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
-        let gradient = Gradient::new(&mesh);
+        let gradient = Gradient::new(&mesh, Monitor::new().whole()).unwrap();
         let weights = [2.0, 0.5, 3.0, 7.0];
         let pattern = LaplacianPattern::new(&gradient, Monitor::new().whole()).unwrap();
         let mut lower = pattern.zeros();

@@ -2,6 +2,9 @@
 
 use sprs::CsMatI;
 
+use crate::error::Result;
+use crate::monitor::Stage;
+
 /// The neighbours of every vertex, each with the entry of the lower triangle that couples them.
 pub(super) struct Graph {
     /// First neighbour of each vertex, V + 1.
@@ -11,7 +14,10 @@ pub(super) struct Graph {
 
 impl Graph {
     /// The graph of the matrix with the lower triangle `lower`.
-    pub fn new(lower: &CsMatI<f64, u32>) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn new(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
         let columns = lower.proper_indptr();
         let edges = || {
             (0..lower.cols()).flat_map(|column| {
@@ -21,23 +27,23 @@ impl Graph {
             })
         };
         let mut starts = vec![0_u32; lower.cols() + 1];
-        for (i, j, _) in edges() {
+        stage.for_each(edges(), |(i, j, _)| {
             starts[i as usize + 1] += 1;
             starts[j as usize + 1] += 1;
-        }
+        })?;
         for vertex in 0..lower.cols() {
             starts[vertex + 1] += starts[vertex];
         }
         let mut next = starts.clone();
         let mut neighbours = vec![(0, 0); starts[lower.cols()] as usize];
-        for (i, j, entry) in edges() {
+        stage.for_each(edges(), |(i, j, entry)| {
             for (from, to) in [(i, j), (j, i)] {
                 let place = &mut next[from as usize];
                 neighbours[*place as usize] = (to, entry);
                 *place += 1;
             }
-        }
-        Self { starts, neighbours }
+        })?;
+        Ok(Self { starts, neighbours })
     }
 
     /// The neighbours of one.

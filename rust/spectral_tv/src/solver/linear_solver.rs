@@ -236,7 +236,10 @@ impl LinearSolver {
     }
 
     fn factorize(&mut self, stage: Stage) -> Result<()> {
-        let rows = self.rows.get_or_insert_with(|| Rows::new(&self.lower));
+        let rows = match &mut self.rows {
+            Some(rows) => rows,
+            rows => rows.insert(Rows::new(&self.lower, stage)?),
+        };
         rows.complete_diagonal(&mut self.lower, &self.masses);
         let mut cholesky = match self.cholesky.take() {
             Some(cholesky) => cholesky,
@@ -256,12 +259,12 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(lower: &CsMatI<f64, u32>) -> Self {
+    fn new(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
         let diagonal = (0..lower.cols()).map(|row| lower.nnz_index(row, row));
-        Self {
-            graph: Graph::new(lower),
+        Ok(Self {
+            graph: Graph::new(lower, stage)?,
             diagonal: diagonal.map(|entry| entry.map(|entry| entry.0)).collect(),
-        }
+        })
     }
 
     /// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.

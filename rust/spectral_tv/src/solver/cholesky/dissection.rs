@@ -22,7 +22,7 @@ const BAND: f64 = 0.15;
 /// # Errors
 /// [`Error::Solver`] if the index range does not suffice, or [`Error::Cancelled`].
 pub(super) fn order(lower: &CsMatI<f64, u32>, smallest: usize, stage: Stage) -> Result<Vec<u32>> {
-    let whole = Part::whole(Graph::new(lower));
+    let whole = Part::whole(Graph::new(lower, stage)?);
     let mut order = vec![0; lower.cols()];
     dissect(&whole, smallest, &mut order, stage)?;
     Ok(order)

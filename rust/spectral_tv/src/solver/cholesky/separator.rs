@@ -236,7 +236,7 @@ mod tests {
     use crate::solver::graph::Graph;
 
     fn part(lower: &sprs::CsMatI<f64, u32>) -> Part {
-        Part::whole(Graph::new(lower))
+        Part::whole(Graph::new(lower, Monitor::new().whole()).unwrap())
     }
 
     fn is_separated(part: &Part, sides: &[Side]) -> bool {

@@ -14,7 +14,7 @@ use crate::solver::multigrid::system;
 pub fn hierarchy_of(lower: &CsMatI<f64, u32>, masses: &[f64]) -> Hierarchy {
     let monitor = Monitor::new();
     let ordering = Ordering::breadth_first(lower, monitor.whole()).unwrap();
-    let mut matrix = system::pattern(&ordering);
+    let mut matrix = system::pattern(&ordering, monitor.whole()).unwrap();
     system::refresh(&mut matrix, &ordering, lower, masses);
     let mut hierarchy = Hierarchy::unset(matrix);
     hierarchy.coarsen(monitor.whole()).unwrap();

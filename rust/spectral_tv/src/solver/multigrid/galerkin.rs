@@ -63,7 +63,7 @@ impl Galerkin {
             bounds.map(|bound| &part.neighbours[bound[0]..bound[1]])
         });
         stage.check()?;
-        let coarse = Matrix::with_pattern(rows);
+        let coarse = Matrix::with_pattern(rows, stage)?;
         stage.check()?;
         let galerkin = Self {
             values: vec![0.0; product.columns.len()],
@@ -78,9 +78,20 @@ impl Galerkin {
     }
 
     /// `coarse` ← PᵀKP.
-    pub fn refresh(&mut self, matrix: &Matrix, prolongation: &Prolongation, coarse: &mut Matrix) {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn refresh(
+        &mut self,
+        matrix: &Matrix,
+        prolongation: &Prolongation,
+        coarse: &mut Matrix,
+        stage: Stage,
+    ) -> Result<()> {
         self.multiply(matrix, prolongation);
+        stage.check()?;
         self.gather(prolongation, coarse);
+        Ok(())
     }
 
     /// KP, and the row sums of K over the rows that take part.

@@ -81,7 +81,7 @@ impl Hierarchy {
             let (fine, coarse) = self.levels.split_at_mut(index);
             let fine = &mut fine[index - 1];
             if let Some(coarsening) = &mut fine.coarsening {
-                coarsening.refresh(&fine.matrix, &mut coarse[0].matrix);
+                coarsening.refresh(&fine.matrix, &mut coarse[0].matrix, stage)?;
             }
             stage.check()?;
         }
@@ -135,23 +135,25 @@ impl Level {
         if aggregates.count == 0 {
             return Ok(None);
         }
-        let prolongation = Prolongation::new(&self.matrix, &strength, &aggregates);
+        let prolongation = Prolongation::new(&self.matrix, &strength, &aggregates, stage)?;
         stage.check()?;
         let (galerkin, mut coarse) = Galerkin::new(&self.matrix, &prolongation, stage)?;
         let mut coarsening = Coarsening {
             prolongation,
             galerkin,
         };
-        coarsening.refresh(&self.matrix, &mut coarse);
+        coarsening.refresh(&self.matrix, &mut coarse, stage)?;
         self.coarsening = Some(coarsening);
         Ok(Some(coarse))
     }
 }
 
 impl Coarsening {
-    fn refresh(&mut self, matrix: &Matrix, coarse: &mut Matrix) {
+    fn refresh(&mut self, matrix: &Matrix, coarse: &mut Matrix, stage: Stage) -> Result<()> {
         self.prolongation.refresh(matrix);
-        self.galerkin.refresh(matrix, &self.prolongation, coarse);
+        stage.check()?;
+        let prolongation = &self.prolongation;
+        self.galerkin.refresh(matrix, prolongation, coarse, stage)
     }
 }
 

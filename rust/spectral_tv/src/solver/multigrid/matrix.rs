@@ -5,6 +5,9 @@
 
 use rayon::prelude::*;
 
+use crate::error::Result;
+use crate::monitor::Stage;
+
 /// The values of up to four functions at one vertex, side by side.
 pub(super) type Lanes<const L: usize> = [f32; L];
 
@@ -47,10 +50,17 @@ pub(super) fn chunk_length(size: usize) -> usize {
 
 impl Matrix {
     /// A matrix of couplings 0 in the places that `neighbours` lists row by row.
-    pub fn with_pattern<'a>(neighbours: impl Iterator<Item = &'a [u32]>) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn with_pattern<'a>(
+        neighbours: impl Iterator<Item = &'a [u32]> + Clone,
+        stage: Stage,
+    ) -> Result<Self> {
         let mut starts = vec![0];
-        let mut octets = Vec::new();
-        for (row, columns) in neighbours.enumerate() {
+        let count = neighbours.clone().map(|columns| columns.len().div_ceil(8));
+        let mut octets = Vec::with_capacity(count.sum());
+        stage.for_each(neighbours.enumerate(), |(row, columns)| {
             for part in columns.chunks(8) {
                 let mut octet = Octet {
                     columns: [row as u32; 8],
@@ -60,12 +70,12 @@ impl Matrix {
                 octets.push(octet);
             }
             starts.push(octets.len() as u32);
-        }
-        Self {
+        })?;
+        Ok(Self {
             masses: vec![0.0; starts.len() - 1],
             starts,
             octets,
-        }
+        })
     }
 
     /// Number of rows.

@@ -86,7 +86,7 @@ impl Multigrid {
     pub fn analyse(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
         let ordering = Ordering::breadth_first(lower, stage)?;
         stage.check()?;
-        let matrix = system::pattern(&ordering);
+        let matrix = system::pattern(&ordering, stage)?;
         stage.check()?;
         Ok(Self {
             ordering,

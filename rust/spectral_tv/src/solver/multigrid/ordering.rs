@@ -32,7 +32,7 @@ impl Ordering {
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn breadth_first(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
-        let graph = Graph::new(lower);
+        let graph = Graph::new(lower, stage)?;
         stage.check()?;
         let order = graph.breadth_first(stage)?;
         let mut places = vec![0; order.len()];

@@ -101,6 +101,7 @@ impl<const L: usize> Iteration<L> {
             size += (0..L)
                 .map(|lane| f64::from(lengths[lane]) * energy[lane])
                 .sum::<f64>();
+            stage.check()?;
             self.advance(hierarchy, lengths);
             report.iterations += 1;
             // The error is known after another cycle only; where it falls as before and that
@@ -109,6 +110,7 @@ impl<const L: usize> Iteration<L> {
             if report.has_converged {
                 return Ok(report);
             }
+            stage.check()?;
             let (residual, preconditioned) = (&self.residual, &mut self.preconditioned);
             let next = self
                 .workspace

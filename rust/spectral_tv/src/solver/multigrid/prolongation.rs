@@ -6,6 +6,8 @@
 
 use rayon::prelude::*;
 
+use crate::error::Result;
+use crate::monitor::Stage;
 use crate::solver::multigrid::aggregation::{Aggregates, NONE, Strength};
 use crate::solver::multigrid::matrix::{Lanes, Matrix, Octet, chunk_length};
 
@@ -32,7 +34,15 @@ pub(super) struct Prolongation {
 
 impl Prolongation {
     /// The pattern for these aggregates and the strong couplings of `matrix`; to be refreshed.
-    pub fn new(matrix: &Matrix, strength: &Strength, aggregates: &Aggregates) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn new(
+        matrix: &Matrix,
+        strength: &Strength,
+        aggregates: &Aggregates,
+        stage: Stage,
+    ) -> Result<Self> {
         let size = matrix.size();
         let mut columns = vec![[0; WIDTH]; size];
         let mut weights = vec![[0.0; WIDTH]; size];
@@ -66,14 +76,15 @@ impl Prolongation {
                 }
             }
         });
+        stage.check()?;
         let (starts, transposed) = transpose(&columns, &used, aggregates.count);
-        Self {
+        Ok(Self {
             columns,
             weights,
             slots,
             starts,
             transposed,
-        }
+        })
     }
 
     /// Number of coarse unknowns.

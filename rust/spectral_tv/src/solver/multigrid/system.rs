@@ -5,6 +5,8 @@ use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
+use crate::error::Result;
+use crate::monitor::Stage;
 use crate::solver::multigrid::matrix::{Lanes, Matrix, chunk_length, split_at_rows};
 use crate::solver::multigrid::ordering::Ordering;
 
@@ -12,11 +14,13 @@ use crate::solver::multigrid::ordering::Ordering;
 const CHUNK: usize = 1 << 13;
 
 /// The finest matrix, without values.
-pub(super) fn pattern(ordering: &Ordering) -> Matrix {
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub(super) fn pattern(ordering: &Ordering, stage: Stage) -> Result<Matrix> {
     let bounds = ordering.starts.windows(2);
-    Matrix::with_pattern(
-        bounds.map(|bound| &ordering.neighbours[bound[0] as usize..bound[1] as usize]),
-    )
+    let rows = bounds.map(|bound| &ordering.neighbours[bound[0] as usize..bound[1] as usize]);
+    Matrix::with_pattern(rows, stage)
 }
 
 /// Takes the values of the matrix with the lower triangle `lower` and the row sums `masses`, all
