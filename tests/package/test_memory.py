@@ -42,6 +42,22 @@ def run(code: str) -> str:
 
 @LINUX
 @pytest.mark.bare
+def test_memory_is_given_back_after_long_work():
+    output = run("""
+import time
+mesh = surface(300)
+before = reading("VmRSS")
+for _ in range(2):
+    spectral_tv.decompose(mesh, "m1", steps=60)
+    time.sleep(0.5)  # the thread frees after it has answered
+print(reading("VmHWM") - before, reading("VmRSS") - before)
+""")
+    most, left = map(float, output.split())
+    assert left < 0.25 * most
+
+
+@LINUX
+@pytest.mark.bare
 @pytest.mark.parametrize("side", [100, 180])
 @pytest.mark.parametrize(
     "settings",

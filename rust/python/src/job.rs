@@ -4,13 +4,17 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use spectral_tv::monitor::Monitor;
 
 use crate::error::Failure;
+use crate::heap;
+
+/// Work that takes longer may have taken much memory.
+const LONG: Duration = Duration::from_millis(500);
 
 /// How often a waiting call looks for Ctrl-C and reports progress.
 const POLL: Duration = Duration::from_millis(30);
@@ -35,9 +39,13 @@ impl<T: Send + 'static> Task<T> {
         thread::Builder::new()
             .name("spectral_tv".into())
             .spawn(move || {
+                let started = Instant::now();
                 let result = catch_unwind(AssertUnwindSafe(|| work(&watched)));
                 // Nobody may be waiting any more; the result is then dropped.
                 let _ = sender.send(result.map_err(|panic| panic_message(&*panic)));
+                if started.elapsed() > LONG {
+                    heap::give_back();
+                }
             })?;
         Ok(Self {
             monitor,

@@ -12,6 +12,7 @@ mod error;
 mod estimate;
 mod flow;
 mod flowing;
+mod heap;
 mod image;
 mod job;
 mod mesh;

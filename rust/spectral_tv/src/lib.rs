@@ -10,6 +10,8 @@
 //! [`method`] gives; [`eigenset`] tests sets by their [`flow`]; [`image`] flows pixels. [`monitor`] and [`memory`] say
 //! to all of them when to stop, and what does not fit.
 
+#![forbid(unsafe_code)]
+
 pub mod deformation;
 pub mod eigenset;
 pub mod error;
