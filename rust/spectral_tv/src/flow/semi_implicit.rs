@@ -288,11 +288,11 @@ impl<'a> StepSolver<'a> {
         let start = -inner_product(descent.view(), direction.view());
         drop(descent);
         self.stage.check()?;
-        let along = direction.view().into();
+        let direction_lanes = direction.view().into();
         self.stage.check()?;
-        let line = Line::new(self.law, gradient, norms, &lanes, &along);
+        let line = Line::new(self.law, gradient, norms, &lanes, &direction_lanes);
         self.stage.check()?;
-        drop((lanes, along));
+        drop((lanes, direction_lanes));
         let quadratic = squared_norm(direction.view(), masses);
         let linear = start - step.tau * line.slope_at_start(&weights);
         drop(weights);

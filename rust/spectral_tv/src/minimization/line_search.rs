@@ -35,7 +35,8 @@ pub fn least_along(start: f64, slope: impl Fn(f64) -> f64) -> f64 {
         }
         alpha = match high {
             Some(high) => root_between(low, high),
-            None => root_between(before, low).min(LONGEST),
+            None if low.1 > before.1 => root_between(before, low).min(LONGEST),
+            None => LONGEST,
         };
     }
     alpha
@@ -67,6 +68,8 @@ mod tests {
         }
         assert_eq!(least_along(-9.0, |alpha| alpha - 9.0), 2.0);
         assert_eq!(least_along(-9.0, |_| -9.0), 2.0);
+        // Rounding may have a flat slope fall.
+        assert_eq!(least_along(-9.0, |alpha| -9.0 - 1e-12 * alpha), 2.0);
         assert_eq!(least_along(0.0, |_| 0.0), 0.0);
     }
 }
