@@ -91,10 +91,13 @@ impl Gradient {
     pub fn norms(&self, values: &SideBySide) -> Vec<f64> {
         match values {
             SideBySide::One(lanes) => self.on_all(|face| self.square(face, lanes).sqrt()),
-            SideBySide::Several { blocks, .. } => self.on_all(|face| {
-                let squares = blocks.iter().map(|lanes| self.square(face, lanes));
-                squares.sum::<f64>().sqrt()
-            }),
+            SideBySide::Several { blocks, .. } => match &blocks[..] {
+                [lanes] => self.on_all(|face| self.square(face, lanes).sqrt()),
+                blocks => self.on_all(|face| {
+                    let squares = blocks.iter().map(|lanes| self.square(face, lanes));
+                    squares.sum::<f64>().sqrt()
+                }),
+            },
         }
     }
 
@@ -107,11 +110,16 @@ impl Gradient {
             (SideBySide::One(a), SideBySide::One(b)) => {
                 self.on_all(|face| self.product(face, a, b))
             }
-            (SideBySide::Several { blocks: a, .. }, SideBySide::Several { blocks: b, .. }) => self
-                .on_all(|face| {
-                    let products = a.iter().zip(b).map(|(a, b)| self.product(face, a, b));
-                    products.fold([0.0; 2], |[p, q], [x, y]| [p + x, q + y])
-                }),
+            (SideBySide::Several { blocks: a, .. }, SideBySide::Several { blocks: b, .. }) => {
+                match (&a[..], &b[..]) {
+                    ([a], [b]) => self.on_all(|face| self.product(face, a, b)),
+                    (a, b) => self.on_all(|face| {
+                        let blocks = a.iter().zip(b);
+                        let products = blocks.map(|(a, b)| self.product(face, a, b));
+                        products.fold([0.0; 2], |[p, q], [x, y]| [p + x, q + y])
+                    }),
+                }
+            }
             _ => panic!("both functions have as many channels"),
         }
     }
