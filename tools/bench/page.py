@@ -5,7 +5,6 @@ A table named `steps` goes between the lines `<!-- steps -->` and `<!-- /steps -
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -13,6 +12,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
+
+import psutil
 
 TABLES = (
     "machine", "steps", "memory", "accuracy", "exact", "eigenpairs", "deformation", "dragging",
@@ -62,9 +63,10 @@ class Page:
 
 
 def provenance() -> str:
-    """When, at which commit, and how busy the machine was."""
+    """When, at which commit, and how busy the machine was with other work just before."""
     now = datetime.now(UTC).strftime("%Y-%m-%d %H:%M")
-    return f"{now} UTC, {commit()}, load {os.getloadavg()[0]:.1f}"
+    busy = psutil.cpu_percent(interval=2)  # of all processors; nothing of ours runs meanwhile
+    return f"{now} UTC, {commit()}, {busy:.0f}% busy before"
 
 
 def commit() -> str:
