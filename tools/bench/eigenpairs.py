@@ -21,8 +21,9 @@ def report(page: Page, name: str, shape: Shape, *, everything: bool) -> None:
     """Print the table; with `everything`, the paper's number of pairs is measured too."""
     with page.table(
         "eigenpairs",
-        f"Low-pass by Laplace–Beltrami eigenpairs (ARPACK, shift and invert) once, and M3 with its "
-        f"base, the median of {RUNS} runs before and {RUNS} after; {name}, {len(shape[0])} vertices",
+        "Low-pass by Laplace–Beltrami eigenpairs (ARPACK, shift and invert) once, and M3 with its "
+        f"base, the median of {RUNS} runs before it and {RUNS} after; {name}, "
+        f"{len(shape[0])} vertices",
         "pairs | how | seconds | M3 | ratio",
     ) as row:
         detail(shape)  # everything is loaded then
