@@ -78,6 +78,19 @@ def test_a_job_gives_what_the_call_gives(mesh):
     np.testing.assert_array_equal(result.residual, expected.residual)
 
 
+def test_a_cancelled_job_does_not_wait_for_another(mesh):
+    for _ in range(6):
+        first = spectral_tv.start_decompose(mesh, steps=10_000)
+        second = spectral_tv.start_decompose(mesh, steps=10_000)
+        while min(first.progress, second.progress) < 0.002:
+            time.sleep(0.001)
+        first.cancel()
+        while not first.done:
+            time.sleep(0.001)
+        assert not second.done
+        second.cancel()
+
+
 def test_a_cancelled_job_says_so(mesh):
     job = spectral_tv.start_decompose(mesh, steps=20_000)
     assert not job.done

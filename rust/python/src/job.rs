@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
+use rayon::ThreadPoolBuilder;
 use spectral_tv::monitor::Monitor;
 
 use crate::error::Failure;
@@ -40,7 +41,7 @@ impl<T: Send + 'static> Task<T> {
             .name("spectral_tv".into())
             .spawn(move || {
                 let started = Instant::now();
-                let result = catch_unwind(AssertUnwindSafe(|| work(&watched)));
+                let result = catch_unwind(AssertUnwindSafe(|| by_itself(|| work(&watched))));
                 // Nobody may be waiting any more; the result is then dropped.
                 let _ = sender.send(result.map_err(|panic| panic_message(&*panic)));
                 if started.elapsed() > LONG {
@@ -95,6 +96,17 @@ impl<T: Send + 'static> Task<T> {
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => Some(Err("the result was taken before".into())),
         }
+    }
+}
+
+/// Does `work` on threads of its own. In a pool that works share, a thread that waits for a part of
+/// one takes up another from its start, and the first could not even be cancelled until that ends.
+fn by_itself<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let pool = ThreadPoolBuilder::new().thread_name(|_| "spectral_tv".into());
+    match pool.build() {
+        Ok(pool) => pool.install(work),
+        // The system gives no more threads; the shared ones still do.
+        Err(_) => work(),
     }
 }
 
