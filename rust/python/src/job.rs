@@ -101,6 +101,8 @@ impl<T: Send + 'static> Task<T> {
 
 /// Does `work` on threads of its own. In a pool that works share, a thread that waits for a part of
 /// one takes up another from its start, and the first could not even be cancelled until that ends.
+/// All that is not shared out runs on one of them: another's allocator would not have what M3's
+/// base, for one, has freed for its flow.
 fn by_itself<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     let pool = ThreadPoolBuilder::new().thread_name(|_| "spectral_tv".into());
     match pool.build() {

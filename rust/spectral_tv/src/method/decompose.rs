@@ -108,18 +108,6 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
     check_memory(mesh, settings)?;
-    // On one thread of the pool for all of it: another's allocator would not have what the base
-    // has freed, and the flow would take it anew.
-    rayon::scope(|_| decomposed(mesh, settings, stage, rest))
-}
-
-/// The decomposition itself, and in the `rest` of the progress its spectrum.
-fn decomposed(
-    mesh: &TriangleMesh,
-    settings: &Settings,
-    stage: Stage,
-    rest: Stage,
-) -> Result<Decomposition> {
     let operators = Discretization::new(mesh, stage)?;
     let mut base = None;
     let (trajectory, displacement) = match &settings.method {
