@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 import spectral_tv
 
+from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
 from . import files, picture
 from .arguments import add_arguments, complaint, epilog, outputs
@@ -55,7 +56,10 @@ class Command:
 
     def _try(self, choices: argparse.Namespace, source: Path) -> bool:
         try:
-            self._treat_file(choices, source)
+            with gathered() as notes:
+                self._treat_file(choices, source)
+            for note in notes:
+                say(f"{source}: {note}")
         except (
             Refusal,
             spectral_tv.MeshError,

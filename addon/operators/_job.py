@@ -7,6 +7,7 @@ import bpy
 import spectral_tv
 
 from ..job import faults, jobs
+from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
 from . import _timers
 from ._progress import cursor_progress, redraw_sidebars
@@ -92,7 +93,7 @@ class JobOperator:
         obj = None
         try:
             obj = self.chosen(context)
-            with faults.kept(obj):
+            with faults.kept(obj), gathered() as self._notes:
                 prepared = self.prepare(obj)
             result = self.recall(prepared)
             if result is None:
@@ -111,7 +112,7 @@ class JobOperator:
         obj = None
         try:
             obj = self.chosen(context)
-            with faults.kept(obj):
+            with faults.kept(obj), gathered() as self._notes:
                 prepared = self.prepare(obj)
             result = self.recall(prepared)
             if result is not None:
@@ -180,12 +181,15 @@ class JobOperator:
 
     def _finish(self, obj: bpy.types.Object, prepared: Any, result: Any) -> set[str]:
         try:
-            done = self.write(obj, prepared, result)
+            with gathered() as later:
+                done = self.write(obj, prepared, result)
         except (Refusal, MemoryError) as error:
             self.report({"ERROR"}, f"{obj.name}: {error}")
             return {"CANCELLED"}
         message = f"{obj.name}: {done} in {time.perf_counter() - self._started:.1f} s"
         self.report({"INFO"}, message + self.shared(obj))
+        for note in dict.fromkeys([*self._notes, *later]):
+            self.report({"WARNING"}, f"{obj.name}: {note}")
         return {"FINISHED"}
 
 

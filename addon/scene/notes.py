@@ -1,0 +1,29 @@
+"""What a user has to be told beside a result: what was lost, guessed, skipped or changed.
+
+It is noted where it is found, however deep, and told by whoever runs the work: an operator reports
+it, the command line prints it and writes it into the report.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+_notes: ContextVar[list[str] | None] = ContextVar("notes", default=None)
+
+
+def note(text: str) -> None:
+    """Note one fact, a sentence without its full stop; the same one is kept once."""
+    found = _notes.get()
+    if found is not None and text not in found:
+        found.append(text)
+
+
+@contextmanager
+def gathered() -> Iterator[list[str]]:
+    """Yield the list that all notes go into meanwhile."""
+    found: list[str] = []
+    token = _notes.set(found)
+    try:
+        yield found
+    finally:
+        _notes.reset(token)
