@@ -48,7 +48,9 @@ use crate::parameters::Number;
 /// Warns
 /// -----
 /// MeshWarning
-///     If vertices were dropped.
+///     If vertices were dropped; and of what is probably a mistake: triangles that are not joined,
+///     borders that lie on one another or nearly so, to 1e-5 of the size, and are not welded;
+///     triangles that are there twice; vertices most of which are in no triangle.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Mesh {
     pub inner: Arc<TriangleMesh>,
@@ -71,9 +73,16 @@ impl Mesh {
         };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let mesh = guarded(py, || TriangleMesh::repaired(vertices, &triangles, &repair))?;
-        if mesh.weld_map().is_some() && mesh.findings().dropped_vertices > 0 {
+        let (mesh, doubts) = guarded(py, || {
+            let mesh = TriangleMesh::repaired(vertices, &triangles, &repair)?;
+            let doubts = mesh.doubts(repair.weld);
+            Ok((mesh, doubts))
+        })?;
+        if matches!(mesh.weld_map(), Some(map) if map.contains(&None)) {
             warn(py, &mesh.findings().dropped())?;
+        }
+        for doubt in doubts {
+            warn(py, &doubt.to_string())?;
         }
         Ok(Self {
             inner: Arc::new(mesh),
