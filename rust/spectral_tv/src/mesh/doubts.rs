@@ -162,7 +162,7 @@ impl TriangleMesh {
         let size = self.area().sqrt();
         let mut whole = self.patch(&border);
         whole.surface.join_coincident();
-        let left = whole.surface.border();
+        let closed = whole.surface.closed_edges();
         let torn = |share: f64, coincident: usize, weld: f64| Doubt::Torn {
             open_edges: open,
             edges,
@@ -170,24 +170,27 @@ impl TriangleMesh {
             coincident,
             weld,
         };
-        let exact = (open - left.len()) as f64 / open as f64;
+        let exact = closed as f64 / open as f64;
         let coincident = whole.surface.joined_count();
         let sample = sample(&border, self.vertices());
         let nearly = |gap: f64| {
             let mut patch = self.patch(&sample);
-            let before = patch.surface.border().len().max(1) as f64;
             patch.surface.join_coincident();
-            let exact = patch.surface.border().len() as f64;
+            let exact = patch.surface.closed_edges();
             patch.surface.join_within(gap * size);
-            let after = patch.surface.border().len() as f64;
+            let closed = patch.surface.closed_edges();
             // A corner may be on an edge to the last digit.
             let weld = rounded_up(patch.surface.widest_gap().max(LEAST_WELD * size));
-            (after < exact).then(|| torn(1.0 - after / before, 0, weld))
+            (closed > exact).then(|| torn(closed as f64 / sample.len() as f64, 0, weld))
         };
         let closes_most =
             |doubt: &Doubt| matches!(doubt, Doubt::Torn { share, .. } if *share > 0.5);
         let exactly = (exact > 0.0).then(|| torn(exact, coincident, 0.0));
-        let near = if left.is_empty() { None } else { nearly(GAP) };
+        let near = if whole.surface.border().is_empty() {
+            None
+        } else {
+            nearly(GAP)
+        };
         let found = near.or(exactly);
         if edges.is_none() || found.as_ref().is_some_and(closes_most) {
             return found;

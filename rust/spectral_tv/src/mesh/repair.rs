@@ -117,8 +117,7 @@ impl Repaired {
             ..welded.findings
         });
         self.vertices = welded.vertices;
-        if welded.findings.joined_corners == 0 {
-            self.triangles = welded.triangles.into();
+        if welded.findings.joined_corners + welded.findings.closed_junctions == 0 {
             return;
         }
         let mut count = 0;

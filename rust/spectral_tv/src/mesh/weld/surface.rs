@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use rayon::slice::ParallelSliceMut;
 use rstar::AABB;
 
+use crate::mesh::intrinsic::repeats_an_index;
 use crate::mesh::open_edges::{OpenEdge, edges_of, open_edges, vertices_of};
 use crate::mesh::weld::{coincident, junctions, near};
 
@@ -23,6 +24,8 @@ pub(in crate::mesh) struct Surface {
     weights: Vec<f64>,
     joinable: usize,
     border: Vec<OpenEdge>,
+    /// The triangles of the open edges at the start, once for each.
+    bordering: Vec<usize>,
     junctions: usize,
     widest_gap: f64,
 }
@@ -45,10 +48,12 @@ impl Surface {
             triangles,
             joinable,
             border: Vec::new(),
+            bordering: Vec::new(),
             junctions: 0,
             widest_gap: 0.0,
         };
         surface.find_border();
+        surface.bordering = surface.border.iter().map(|edge| edge.triangle).collect();
         surface
     }
 
@@ -85,6 +90,14 @@ impl Surface {
     /// The open edges between vertices that can be joined.
     pub fn border(&self) -> &[OpenEdge] {
         &self.border
+    }
+
+    /// How many fewer open edges there are than at the start, without those of triangles that have
+    /// vanished, as two of their corners were at one place.
+    pub fn closed_edges(&self) -> usize {
+        let is_left = |triangle: &&usize| !repeats_an_index(&self.triangles[**triangle]);
+        let left = self.bordering.iter().filter(is_left).count();
+        left.saturating_sub(self.border.len())
     }
 
     /// How many corners split an edge, each edge counted.
