@@ -33,8 +33,8 @@ use crate::parameters::Number;
 ///     A length: surfaces are joined along open edges, which belong to one triangle only, that are
 ///     within it of one another. Corners there become one, at their mean, and an edge is split
 ///     at the corners of other edges that lie on it, which adds triangles. 0 joins what is at exactly
-///     the same place alone. A corner moves by less than a third of its shortest edge, however long
-///     `weld` is. Without it all vertices stay as they are.
+///     the same place alone. However long `weld` is, a corner reaches no farther than a quarter of its
+///     shortest edge, so that no edge collapses. Without it all vertices stay as they are.
 /// broken : {"refuse", "drop"}
 ///     What becomes of vertices that are not finite, or beyond 1e100: the mesh is refused, or they
 ///     are dropped with all their triangles, with a warning.

@@ -15,7 +15,7 @@ pub struct Repair {
     ///
     /// Corners on open edges (of one triangle only) become one where they are within the length,
     /// the nearest first, and an open edge is split at the corners of others that lie on it.
-    /// Corners move by less than a third of their shortest edge, whatever the length.
+    /// However long it is, corners reach no farther than a quarter of their shortest edge.
     pub weld: Option<f64>,
     /// What becomes of vertices that are not finite.
     pub broken: Broken,

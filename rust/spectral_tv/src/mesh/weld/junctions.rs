@@ -106,13 +106,18 @@ impl Edges {
                 return None;
             }
             let apex = surface.vertices()[triangle[edge.apex] as usize];
-            let distance = line_distance(geometry, position);
-            let is_on = distance <= reach && distance <= REACH * line_distance(geometry, apex);
+            let [from, to] = [geometry.from, geometry.to];
+            let length = distance(from, to);
+            let size = length.min(line_distance(geometry, apex));
+            let away = line_distance(geometry, position);
+            // Edges get shorter when they are split.
+            let is_between = distance(from, position).max(distance(position, to)) < length;
+            let is_on = is_between && away <= reach.min(REACH * size);
             is_on.then_some(Junction {
                 edge: line.data,
                 at,
                 corner: number as u32,
-                distance,
+                distance: away,
             })
         });
         let mut near: Vec<_> = near.collect();

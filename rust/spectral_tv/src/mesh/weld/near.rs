@@ -50,7 +50,7 @@ impl Cluster {
     }
 
     /// Whether its extent is within its corners' reach. That of corners within reach of one another
-    /// always is; that of the ends of an edge, at three times the reach, never.
+    /// always is; that of the ends of an edge, at four times the reach, never.
     fn is_compact(&self) -> bool {
         self.extent() <= self.reach
     }

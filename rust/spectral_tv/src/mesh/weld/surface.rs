@@ -10,9 +10,13 @@ use crate::mesh::open_edges::{OpenEdge, edges_of, open_edges, vertices_of};
 use crate::mesh::weld::{coincident, junctions, near};
 
 /// The share of a corner's shortest edge, or of the height of a triangle, that a corner may be off
-/// and still be joined: less than what would let an edge collapse (1/√3, as clusters are measured
-/// along the axes), or a triangle turn over.
-pub(super) const REACH: f64 = 1.0 / 3.0;
+/// and still be joined. The ends of an edge then never become one, nor meet: each moves by less than
+/// √3 times as much, as clusters are measured along the axes.
+pub(super) const REACH: f64 = 0.25;
+
+/// How often edges are split at most. Two or three times do, but edges that many others cross may
+/// take more; whether it ends by itself wherever they are has not been proved.
+const MOST_ROUNDS: usize = 1000;
 
 /// Vertices and triangles, the first vertices of which can be joined.
 #[derive(Debug, Clone)]
@@ -64,7 +68,7 @@ impl Surface {
 
     /// Joins what is within `tolerance`, which is above 0.
     pub fn join_within(&mut self, tolerance: f64) {
-        loop {
+        for _ in 0..MOST_ROUNDS {
             while near::join(self, tolerance) {}
             if !junctions::close(self, tolerance) {
                 break;
