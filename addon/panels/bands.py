@@ -14,6 +14,7 @@ from ..filters.gains import PRESETS
 from ..job import estimates, jobs
 from ..operators import filter as operators
 from ..operators.accuracy import SPECTRAL_TV_OT_measure_accuracy
+from ..operators.apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from ..operators.mix import SPECTRAL_TV_OT_take_bands
 from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
 from ._sidebar import Sidebar, draw_needs, draw_progress, say
@@ -132,6 +133,33 @@ class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
         layout.operator(operators.SPECTRAL_TV_OT_apply_curve.bl_idname)
 
 
+class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
+    """Modifiers, which Blender does not apply to a mesh with shape keys"""
+
+    bl_label = "Apply Modifiers"
+    bl_parent_id = "SPECTRAL_TV_PT_bands"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return super().poll(context) and len(context.active_object.modifiers) > 0
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        obj = context.active_object
+        reason = apply_refusal(obj)
+        if reason is not None:
+            say(layout, context, reason, "INFO")
+        column = layout.column(align=True)
+        for modifier in obj.modifiers:
+            row = column.row(align=True)
+            row.enabled = modifier.show_viewport
+            operator = row.operator(
+                SPECTRAL_TV_OT_apply_modifier.bl_idname, text=modifier.name, icon="CHECKMARK"
+            )
+            operator.modifier = modifier.name
+
+
 class SPECTRAL_TV_PT_accuracy(BandsPanel, bpy.types.Panel):
     """How accurate the bands are for the number of steps"""
 
@@ -172,5 +200,6 @@ CLASSES = (
     SPECTRAL_TV_PT_bands,
     SPECTRAL_TV_PT_filters,
     SPECTRAL_TV_PT_curve,
+    SPECTRAL_TV_PT_modifiers,
     SPECTRAL_TV_PT_accuracy,
 )

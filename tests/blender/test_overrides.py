@@ -46,6 +46,7 @@ def linked(tmp_path: Path):
 
 # Operators whose results no file would keep.
 WRITING = {
+    "apply_modifier": {},
     "bake": {},
     "bake_deformation": {"frame_end": 2},
     "caricature": {"bands": 3, "steps": 8},
