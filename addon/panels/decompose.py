@@ -43,7 +43,7 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
             say(layout, context, text, "INFO")
         draw_fault(layout, context)
         if reason is None:
-            for text in remarks(obj, settings.shape):
+            for text in remarks(obj, settings.settings()):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
             needs = estimates.of_meshes(settings.settings(), len(obj.data.vertices))
             draw_needs(layout, context, needs)

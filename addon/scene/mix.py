@@ -61,6 +61,7 @@ def shown(obj: bpy.types.Object, without: Collection[bpy.types.ShapeKey] = ()) -
     return shape
 
 
-def told(obj: bpy.types.Object) -> str:
+def told(obj: bpy.types.Object, without: Collection[bpy.types.ShapeKey] = ()) -> str:
     """The keys that move something now with their values, such as ``Smile 0.75``; or nothing."""
-    return ", ".join(f"{part.key.name} {part.value:.2g}" for part in parts(obj))
+    names = [f"{part.key.name} {part.value:.2g}" for part in parts(obj) if part.key not in without]
+    return ", ".join(names)

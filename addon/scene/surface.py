@@ -1,5 +1,6 @@
 """Reading the surface of an object, or of several that belong together."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,7 +16,10 @@ from .modifiers import symmetries
 from .notes import note
 from .objects import Refusal
 
-__all__ = ["Surface", "basis_coordinates", "triangles"]
+__all__ = ["Reading", "Surface", "basis_coordinates", "triangles"]
+
+# Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
+NOWHERE = 1e37
 
 
 @dataclass(frozen=True)
@@ -96,15 +100,17 @@ class Surface:
         corners = np.concatenate(
             [part.corners + first for part, first in zip(parts, firsts, strict=False)]
         )
-        mesh = spectral_tv.Mesh(
-            positions,
-            corners,
-            weld=reading.weld / 100 * _size(positions, corners),
-            broken="drop" if reading.leaves_out else "refuse",
-        )
-        findings = str(mesh.findings)
-        if findings:
-            note(findings)
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always", spectral_tv.MeshWarning)
+            mesh = spectral_tv.Mesh(
+                positions,
+                corners,
+                weld=reading.weld / 100 * _size(positions, corners),
+                broken="drop" if reading.leaves_out else "refuse",
+            )
+        done = [str(mesh.findings)] if mesh.findings else []
+        for text in (*done, *(str(each.message) for each in told)):
+            note(text)
         return [
             cls(
                 mesh,
@@ -192,8 +198,8 @@ class _Part:
         cls, obj: bpy.types.Object, shape: np.ndarray | None, origin: bpy.types.Object
     ) -> "_Part":
         """An object in a shape of its own, or Basis; distances are from the object ``origin``."""
+        corners = triangles(obj.data, shape)
         shape = basis_coordinates(obj.data) if shape is None else shape
-        corners = triangles(obj.data)
         copies = mirrored(obj, _without_strays(shape, corners), symmetries(obj))
         shift = obj.matrix_world.translation - origin.matrix_world.translation
         return cls._placed(copies, corners, obj.matrix_world, shift)
@@ -221,14 +227,16 @@ class _Part:
 
 
 def _without_strays(shape: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Vertices that are nowhere and in no face put where they do not count."""
-    is_stray = ~np.isfinite(shape).all(axis=1)
+    """The shape with NaN for vertices that are nowhere, and those in no face at any place."""
+    is_nowhere = ~(np.abs(shape) < NOWHERE).all(axis=1)
+    shape = np.where(is_nowhere[:, np.newaxis], np.nan, shape)
+    is_stray = is_nowhere.copy()
     is_stray[corners] = False
     count = np.count_nonzero(is_stray)
     if count and count < len(shape):
-        shape = shape.copy()
         shape[is_stray] = shape[~is_stray][0]
-        note(f"{count} vertices in no face have no finite place; they stay as they are")
+        what = "1 vertex in no face has" if count == 1 else f"{count} vertices in no face have"
+        note(f"{what} no finite place, and no part in this")
     return shape
 
 

@@ -58,7 +58,6 @@ def test_filtering_again_filters_what_the_first_filter_shows(monkey):
     fresh = from_scratch(once, monkey)
     low_pass(fresh)
     np.testing.assert_allclose(twice, seen(fresh), atol=1e-5)
-    assert np.abs(twice - once).max() < np.abs(once - coordinates(monkey.data.vertices)).max()
 
 
 def test_other_keys_masks_and_mutes_count_as_they_are_shown(monkey):
@@ -69,7 +68,7 @@ def test_other_keys_masks_and_mutes_count_as_they_are_shown(monkey):
     half.add(list(range(count // 2)), 0.6, "REPLACE")
     for name in ("Wave", "Masked", "Muted", "Relative"):
         key = monkey.shape_key_add(name=name, from_mix=False)
-        moved = coordinates(key.data) + rng.normal(0, 0.05, (count, 3))
+        moved = coordinates(key.data) + rng.normal(0, 0.01, (count, 3))
         key.data.foreach_set("co", moved.astype(np.float32).ravel())
         key.value = 0.5
     blocks = monkey.data.shape_keys.key_blocks
@@ -111,9 +110,10 @@ def rough_half() -> bpy.types.Object:
     bmesh.ops.bisect_plane(
         edited, geom=geometry, plane_co=(0, 0, 0), plane_no=(1, 0, 0), clear_inner=True
     )
+    bmesh.ops.remove_doubles(edited, verts=edited.verts, dist=1e-5)
     edited.to_mesh(obj.data)
     edited.free()
-    obj.modifiers.new("Mirror", "MIRROR")
+    obj.modifiers.new("Mirror", "MIRROR").merge_threshold = 1e-5
     return obj
 
 
@@ -143,7 +143,7 @@ def test_a_mirrored_half_stays_joined_and_gets_the_bands_of_the_whole(method):
 
     half.modifiers.clear()
     half.shape_key_clear()
-    half.modifiers.new("Mirror", "MIRROR")
+    half.modifiers.new("Mirror", "MIRROR").merge_threshold = 1e-5
     bpy.ops.object.modifier_apply(modifier="Mirror")
     np.testing.assert_allclose(coordinates(half.data.vertices), whole, atol=1e-6)
     bpy.ops.spectral_tv.decompose(method=method, **QUICK)
@@ -241,6 +241,6 @@ def test_vertices_nowhere_in_no_face_stay_and_faces_with_such_can_be_left_out(mo
     with pytest.raises(RuntimeError, match="vertex 11"):
         bpy.ops.spectral_tv.decompose(**QUICK)
     assert bpy.ops.spectral_tv.decompose(leaves_out=True, **QUICK) == {"FINISHED"}
-    finite = np.isfinite(coordinates(monkey.data.vertices)).all(axis=1)
-    assert np.isfinite(displacements(monkey)[:, finite]).all()
-    assert not finite[11]
+    moves = displacements(monkey)[:, :count]
+    assert np.isfinite(moves).all() and np.abs(moves).max() > 1e-3
+    np.testing.assert_array_equal(moves[:, 11], 0)
