@@ -86,7 +86,7 @@ def write(
     place of that of the last time.
     """
     most = int(np.argmax(result.steps))
-    errors = {label: getattr(result, name)[most][surface.place] for label, name, _ in ERRORS}
+    errors = {label: surface.to_vertices(getattr(result, name)[most]) for label, name, _ in ERRORS}
     pieces = {label: Piece("ATTRIBUTE", values, "FLOAT") for label, values in errors.items()}
     label = next(label for label, _, short in ERRORS if short == shown)
     colours = np.column_stack([heat_map(errors[label]), np.ones(len(surface.place))])

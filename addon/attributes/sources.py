@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..scene.contents import TYPES, attribute_values, displacement, weights
+from ..scene.contents import TYPES, attribute_values
+from ..scene.mix import key_displacement
 from ..scene.objects import Refusal
+from ..scene.weights import weights_of
 
 KINDS = (
     ("ATTRIBUTE", "Attribute", "An attribute of the mesh", "SPREADSHEET", 0),
@@ -90,10 +92,7 @@ def _active(obj: bpy.types.Object, kind: str) -> str:
 def _group(obj: bpy.types.Object, name: str) -> np.ndarray:
     if name not in obj.vertex_groups:
         raise Refusal(f"there is no vertex group {name!r}")
-    members, found = weights(obj, [name])[name]
-    values = np.zeros((len(obj.data.vertices), 1))
-    values[members, 0] = found
-    return values
+    return weights_of(obj, obj.vertex_groups[name])[:, np.newaxis]
 
 
 def _key(obj: bpy.types.Object, name: str) -> np.ndarray:
@@ -103,7 +102,7 @@ def _key(obj: bpy.types.Object, name: str) -> np.ndarray:
         raise Refusal(f"there is no shape key {name!r}")
     if key == keys.reference_key:
         raise Refusal(f"{name!r} is the shape that others are measured from; choose another key")
-    return displacement(key)
+    return key_displacement(key)
 
 
 def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:

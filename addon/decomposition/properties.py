@@ -1,6 +1,7 @@
 """The properties of a decomposition, shared by the sidebar and the operator."""
 
 import inspect
+from dataclasses import asdict
 from typing import Any
 
 import bpy
@@ -17,7 +18,16 @@ from ..filters.filtering import SidebarFilter
 from ..filters.gains import usual_band
 from ..scene.records import record_of
 from ..scene.segments import OUTPUTS
-from .settings import BASES, METHOD_ITEMS, METHODS, METRICS, STEPLESS, Settings
+from .settings import (
+    BASES,
+    METHOD_ITEMS,
+    METHODS,
+    METRICS,
+    SHAPES,
+    STEPLESS,
+    WELD,
+    Settings,
+)
 
 DEFAULT_BANDS = Settings.bands
 
@@ -129,6 +139,25 @@ class DecompositionProperties:
     vertex_group: StringProperty(
         name="Vertex Group", description="Limits where the bands have an effect"
     )
+    shape: EnumProperty(
+        name="Shape", description="Which shape is decomposed", items=SHAPES, default="SHOWN"
+    )
+    weld: FloatProperty(
+        name="Join Within",
+        description="Corners of open edges this near to one another, and to other open edges, are "
+        "one, relative to the object's size. 0 joins those at exactly the same place",
+        subtype="PERCENTAGE",
+        default=WELD,
+        min=0,
+        soft_max=0.1,
+        max=10,
+        precision=4,
+    )
+    leaves_out: BoolProperty(
+        name="Leave Out Broken Faces",
+        description="Faces with a vertex that has no finite place take no part. Otherwise the mesh "
+        "is refused",
+    )
 
     def settings(self) -> Settings:
         """The properties as they are."""
@@ -145,14 +174,17 @@ class DecompositionProperties:
             base_key=self.base_key,
             metric=self.metric,
             vertex_group=self.vertex_group,
+            shape=self.shape,
+            weld=self.weld,
+            leaves_out=self.leaves_out,
         )
 
 
 def fill(choices: DecompositionProperties, settings: Settings) -> None:
     """Give the properties of an operator what ``settings`` say."""
-    for name in ("method", "bands", "steps", "eigenpairs", "base", "base_key", "metric"):
-        setattr(choices, name, getattr(settings, name))
-    choices.vertex_group = settings.vertex_group
+    for name, value in asdict(settings).items():
+        if name not in ("accuracy", "finest", "largest", "base_amount"):
+            setattr(choices, name, value)
     choices.use_accuracy = settings.is_adaptive
     if settings.is_adaptive:
         choices.accuracy = 100 * settings.accuracy
@@ -174,6 +206,12 @@ def draw_method(choices: DecompositionProperties, layout: bpy.types.UILayout) ->
             row.prop(choices, "use_accuracy", text="", icon="DRIVER_DISTANCE")
     if choices.method == "LB":
         layout.prop(choices, "eigenpairs")
+
+
+def draw_reading(choices: DecompositionProperties, layout: bpy.types.UILayout) -> None:
+    """Lay out which shape is decomposed, and what of it is joined or left out."""
+    for name in ("shape", "weld", "leaves_out"):
+        layout.prop(choices, name)
 
 
 def shown_size(of: str, switch: str, least: float, **options: Any) -> Any:

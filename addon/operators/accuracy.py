@@ -9,9 +9,10 @@ import spectral_tv
 from bpy.props import BoolProperty, EnumProperty
 
 from ..attributes import accuracy
-from ..decomposition.bands import prepare, settings_as_taken
+from ..decomposition.bands import base_shape, settings_as_taken
 from ..decomposition.properties import DecompositionProperties, draw_method, fill
 from ..decomposition.settings import STEPLESS, key_label
+from ..decomposition.shapes import read_surfaces
 from ..scene.objects import Refusal
 from ..scene.records import record_of
 from ..scene.surface import Surface
@@ -55,7 +56,11 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
         settings = replace(self.settings(), accuracy=0.0, vertex_group="")
         if settings.method in STEPLESS:
             raise Refusal("this method takes no time steps, so there is nothing to measure")
-        surface, arguments = prepare(obj, settings)
+        if settings.bands >= settings.steps:
+            raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
+        surface = read_surfaces([obj], settings, without_bands=True)[0]
+        base = base_shape([obj], settings, [surface])
+        arguments = settings.arguments(surface.mesh, base)
         del arguments["times"]
         steps = {max(settings.steps // part, 2) for part in (1, 2, 4)}
         return surface, {

@@ -8,7 +8,7 @@ import spectral_tv
 
 from ..decomposition.properties import SegmentationProperties
 from ..job import faults, jobs
-from ..scene import segments
+from ..scene import mix, segments
 from ..scene.notes import about
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from ..scene.surface import Surface
@@ -36,7 +36,7 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
         for obj in distinct_meshes(bpy.context):
             try:
                 with faults.kept(obj):
-                    surface = Surface.read(obj)
+                    surface = Surface.read(obj, mix.shown(obj))
             except (Refusal, spectral_tv.MeshError) as error:
                 raise Refusal(f"{obj.name}: {error}") from error
             prepared.append((obj.name, surface, jobs.state_of(obj)))
@@ -73,7 +73,7 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
                 skipped.append(name)
                 continue
             with about(obj.name):
-                segments.write(obj, labels[surface.place], self.segments, self.outputs)
+                segments.write(obj, surface.to_vertices(labels), self.segments, self.outputs)
         text = f"{self.segments} parts in {len(prepared) - len(skipped)} meshes"
         if skipped:
             text += f"; changed in the meantime and left as they are: {', '.join(skipped)}"

@@ -6,7 +6,8 @@ from bpy.props import IntProperty
 
 from ..decomposition.bands import set_values
 from ..scene import results
-from ..scene.contents import displacement, topology_digest
+from ..scene.contents import topology_digest
+from ..scene.mix import key_displacement
 from ..scene.objects import Refusal
 from ..scene.records import band_keys, record_of
 from ..scene.results import Piece
@@ -55,7 +56,7 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
         names = []
         with whole(obj):
             for band in chosen:
-                piece = Piece("KEY", displacement(others[band]) @ turn.T)
+                piece = Piece("KEY", key_displacement(others[band]) @ turn.T)
                 taken = {f"{source.name} {others[band].name}": piece}
                 # One that was taken in its place before goes.
                 names += results.write(obj, KIND, str(band + 1), taken, lambda _: True, _wanted)

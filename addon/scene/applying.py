@@ -8,7 +8,8 @@ import bmesh
 import bpy
 import numpy as np
 
-from .contents import coordinates, digest, topology_digest
+from .contents import digest, topology_digest
+from .coordinates import coordinates
 from .notes import note
 from .objects import Refusal
 

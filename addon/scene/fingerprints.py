@@ -12,7 +12,10 @@ import bpy
 import numpy as np
 from bpy.props import FloatVectorProperty, IntVectorProperty, StringProperty
 
-from .contents import attribute_values, coordinates, digest, displacement, weights
+from .contents import attribute_values, digest
+from .coordinates import coordinates
+from .mix import key_displacement
+from .weights import members
 
 # Sums that a sketch has, and vertices that are sampled; Blender allows no more in a property.
 SUMS, SAMPLES = 32, 10
@@ -46,7 +49,7 @@ class Fingerprint:
         """Take the name and the contents of a KEY, a GROUP or an ATTRIBUTE of ``obj``."""
         self.key, self.digest = name, digests(obj, written, [name])[name]
         if written == "KEY":
-            moved = displacement(obj.data.shape_keys.key_blocks[name])
+            moved = key_displacement(obj.data.shape_keys.key_blocks[name])
             lengths = np.linalg.norm(moved, axis=1)
             ranges = [part for part in np.array_split(np.arange(len(moved)), SAMPLES) if len(part)]
             places = [int(part[lengths[part].argmax()]) for part in ranges]
@@ -58,7 +61,7 @@ class Fingerprint:
 
         Where Basis is sculpted Blender moves all keys along; how far they move vertices stays.
         """
-        moved, unit = displacement(key), rounding(key)
+        moved, unit = key_displacement(key), rounding(key)
         if not any(self.sketch) and not any(self.places):  # taken by 0.1.0
             return Likeness.CHANGED
         if max(self.places) >= len(moved) or np.abs(self.moves).max() <= unit:
@@ -125,7 +128,7 @@ def names(obj: bpy.types.Object, written: str) -> list[str]:
 def digests(obj: bpy.types.Object, written: str, names: Collection[str]) -> dict[str, str]:
     """Digests of what those of these names hold."""
     if written == "GROUP":
-        return {name: digest(*found) for name, found in weights(obj, names).items()}
+        return {name: digest(*found) for name, found in members(obj, names).items()}
     if written == "KEY":
         keys = obj.data.shape_keys
         return {name: digest(coordinates(keys.key_blocks[name].data)) for name in names}

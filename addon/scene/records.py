@@ -13,7 +13,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from .contents import coordinates, digest, topology_digest
+from .contents import digest, topology_digest
+from .coordinates import coordinates
 from .fingerprints import Fingerprint, Likeness, digests, recognise
 
 __all__ = ["coordinates", "digest", "topology_digest"]  # where they used to be

@@ -6,9 +6,9 @@ import bpy
 import numpy as np
 
 from .channels import remove_channels
-from .contents import coordinates, displacement
+from .coordinates import basis_coordinates, coordinates
+from .mix import key_displacement
 from .names import free_name, taken_names
-from .surface import basis_coordinates
 from .whole import whole
 
 # −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.
@@ -17,7 +17,7 @@ SLIDER_RANGE = (-10.0, 10.0)
 
 def key_shape(key: bpy.types.ShapeKey) -> np.ndarray:
     """The shape that is seen with that key alone, at value 1, (V, 3) in object space."""
-    return _coordinates(key.id_data.reference_key) + displacement(key)
+    return _coordinates(key.id_data.reference_key) + key_displacement(key)
 
 
 def add_displacements(
@@ -68,7 +68,7 @@ def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
     basis = _coordinates(keys.reference_key)
     for other in keys.key_blocks:
         if other != key and other.relative_key == key:
-            moved = displacement(other)
+            moved = key_displacement(other)
             shift = basis + moved - _coordinates(other)
             _set_coordinates(other, basis + moved)
             other.relative_key = keys.reference_key
