@@ -1,6 +1,8 @@
 """What to decompose by, in the terms of the user: sizes are relative to the object's."""
 
-from dataclasses import dataclass
+import json
+import math
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -49,6 +51,18 @@ METRICS = (
     ("SURFACE", "Surface", "Along the object itself: on images, adaptive spectral TV"),
     ("BASE", "Base", "Along the base: with the flat one, the spectral TV of images"),
 )
+SHAPES = (
+    ("SHOWN", "As Shown", "The mesh as its shape keys show it now, before modifiers"),
+    ("BASIS", "Basis", "The mesh without its shape keys"),
+    (
+        "APPLIED",
+        "Modifiers Applied",
+        "All that is seen, in a new object without modifiers; this one is hidden",
+    ),
+)
+# Corners of open edges that are this near are meant to be one: percent of the object's size. It is
+# what rounding leaves of coordinates with six digits.
+WELD = 1e-3
 
 
 @dataclass(frozen=True)
@@ -57,7 +71,7 @@ class Settings:
 
     Sizes are lengths relative to the square root of the surface area; 0 stands for what suits
     the method. An accuracy, the relative error of the bands, takes as many steps as it needs; 0
-    takes ``steps``.
+    takes ``steps``. ``weld`` is a percentage.
     """
 
     method: str = "M1"
@@ -72,6 +86,19 @@ class Settings:
     base_key: str = ""
     metric: str = "SURFACE"
     vertex_group: str = ""
+    shape: str = "SHOWN"
+    weld: float = WELD
+    leaves_out: bool = False
+
+    def text(self) -> str:
+        """As a text to be kept."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def of_text(cls, text: str) -> "Settings":
+        """The settings that a text keeps, be it of a version that had fewer or more."""
+        known = {field.name for field in fields(cls)}
+        return cls(**{name: value for name, value in json.loads(text).items() if name in known})
 
     @property
     def band_count(self) -> int:
@@ -123,12 +150,30 @@ class Settings:
 
     def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
         """The times of the finest and of the largest scale, length²."""
-        method = self.method.lower().partition("_p")[0]
-        defaults = spectral_tv.default_scales(method, self.eigenpairs)
+        pairs = zip((self.finest, self.largest), self._own_scales(), strict=True)
         # A feature of the size l vanishes at a time of the order of l squared.
-        pairs = zip((self.finest, self.largest), defaults, strict=True)
-        finest, largest = (mesh.area * (size**2 or default) for size, default in pairs)
+        finest, largest = (mesh.area * (size**2 or own) for size, own in pairs)
         return finest, largest
+
+    @property
+    def own_finest(self) -> float:
+        """What a finest size of 0 stands for."""
+        return math.sqrt(self._own_scales()[0])
+
+    @property
+    def own_largest(self) -> float:
+        """What a largest size of 0 stands for."""
+        return math.sqrt(self._own_scales()[1])
+
+    @property
+    def own_base_amount(self) -> float:
+        """What a base amount of 0 stands for."""
+        return math.sqrt(spectral_tv.default_base_time())
+
+    def _own_scales(self) -> tuple[float, float]:
+        """Those of the method, relative to the area."""
+        method = self.method.lower().partition("_p")[0]
+        return spectral_tv.default_scales(method, self.eigenpairs)
 
 
 def key_label(method: str) -> str:
