@@ -1,10 +1,12 @@
 """Writing displacements as relative shape keys."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
 
+from .animation import Played, remove_animation
 from .surface import basis_coordinates
 
 # −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.
@@ -31,6 +33,28 @@ def add_displacements(
     obj.active_shape_key_index = active
     mesh.update_tag()
     return keys
+
+
+@contextmanager
+def all_or_none(obj: bpy.types.Object) -> Iterator[None]:
+    """Take back all shape keys and animation of their values that are added where it fails."""
+    keys = obj.data.shape_keys
+    before = None if keys is None else {key.name for key in keys.key_blocks}
+    active, played = obj.active_shape_key_index, Played.by(keys)
+    try:
+        yield
+    except BaseException:
+        keys = obj.data.shape_keys
+        if keys is not None:
+            for key in reversed(keys.key_blocks):
+                if before is not None and key.name not in before:
+                    remove_animation(obj, key)
+                    obj.shape_key_remove(key)
+            played.restore(keys)
+            if before is None:
+                obj.shape_key_clear()
+        obj.active_shape_key_index = active
+        raise
 
 
 def set_displacement(
