@@ -36,7 +36,7 @@ def prepare(
         check_animatable(obj.data.shape_keys)
     scene = bpy.context.scene
     targets: list[np.ndarray] = []
-    with time.kept(scene), kept_up(followed_by(obj), over_frames=True):
+    with kept_up(followed_by(obj), over_frames=True), time.kept(scene):
         deformable = Deformable.read(obj)
         first, metric = scene.frame_current, metric_of(obj)
         for number in time.visited(scene, frames):
@@ -62,15 +62,14 @@ def write(
     They replace those of an earlier baking, once they are all there.
     """
     names = [f"{results.NAME} {frame}" for frame in frames]
+    former = results.baked_keys(obj)
     with all_or_none(obj):
         displacements = (deformable.displacement(each) for each in solutions)
         keys = add_displacements(obj, names, displacements)
         play_in_turn(obj, keys, frames)
-    baked = [key.name for key in keys]  # removing others invalidates them
-    _remove_baked(obj)
-    for name, wanted in zip(baked, names, strict=True):
-        key = obj.data.shape_keys.key_blocks[name]
-        key.name = wanted
+    _remove_baked(obj, former)
+    for key, name in zip(keys, names, strict=True):
+        key.name = name
         entry = deformation_of(obj).baked.add()
         entry.name, entry.digest = key.name, digest(coordinates(key.data))
     results.show_baked(obj)
@@ -79,12 +78,12 @@ def write(
     return f"{len(keys)} frames baked" if len(keys) > 1 else f"frame {frames[0]} baked"
 
 
-def _remove_baked(obj: bpy.types.Object) -> None:
-    """Remove the shape keys of an earlier baking, and their animation."""
+def _remove_baked(obj: bpy.types.Object, former: list[bpy.types.ShapeKey]) -> None:
+    """Remove the shape keys of an earlier baking, ``former``, and their animation."""
     baked = deformation_of(obj).baked
     recorded = {entry.digest for entry in baked}
     changed = []
-    for key in results.baked_keys(obj):
+    for key in former:
         if digest(coordinates(key.data)) not in recorded:
             changed.append(key.name)
         remove_animation(obj, key)

@@ -45,7 +45,16 @@ def label_of(algorithm: str) -> str:
     return next(label for name, label, _ in ALGORITHMS if name == algorithm)
 
 
-def _followed_changed(constraint: "SpectralTVConstraint", _context: bpy.types.Context) -> None:
+def _changed(constraint: "SpectralTVConstraint", _context: bpy.types.Context) -> None:
+    """Give a constraint its identifier; scripts add some too."""
+    if constraint.uid == 0:
+        deformation = deformation_of(constraint.id_data)
+        deformation.last_uid += 1
+        constraint.uid = deformation.last_uid
+
+
+def _followed_changed(constraint: "SpectralTVConstraint", context: bpy.types.Context) -> None:
+    _changed(constraint, context)
     constraint.rest = [0.0] * 16
     with suppress(Refusal):  # told when it is used; what is chosen next may be right
         constraint.set_rest()
@@ -64,8 +73,11 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
     vertex_group: StringProperty(
         name="Vertex Group",
         description="The vertices. Those with a weight below 1 are pulled there like by springs",
+        update=_changed,
     )
-    kind: EnumProperty(name="Kind", description="Where the vertices go", items=KINDS)
+    kind: EnumProperty(
+        name="Kind", description="Where the vertices go", items=KINDS, update=_changed
+    )
     target: PointerProperty(
         type=bpy.types.Object,
         name="Object",
@@ -207,15 +219,9 @@ def add(obj: bpy.types.Object, vertex_group: str, kind: str = "PIN") -> Spectral
 
 
 def identified(obj: bpy.types.Object) -> dict[int, SpectralTVConstraint]:
-    """The constraints of ``obj`` by their identifiers; new ones, as of scripts, get theirs."""
-    deformation = deformation_of(obj)
-    found: dict[int, SpectralTVConstraint] = {}
-    for constraint in deformation.constraints:
-        if constraint.uid == 0 or constraint.uid in found:
-            deformation.last_uid += 1
-            constraint.uid = deformation.last_uid
-        found[constraint.uid] = constraint
-    return found
+    """The constraints of ``obj`` by their identifiers; those of old files by their places."""
+    constraints = deformation_of(obj).constraints
+    return {each.uid or -1 - place: each for place, each in enumerate(constraints)}
 
 
 def sharing(obj: bpy.types.Object) -> list[bpy.types.Object]:

@@ -24,16 +24,17 @@ def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
 
     It is gone too where one of several may be it, as copies are the user's.
     """
-    deformation = deformation_of(obj)
-    found = _recorded(obj, deformation.key, deformation.digest)
+    found = _candidates(obj)
     return found[0] if len(found) == 1 else None
 
 
 def baked_keys(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
     """The shape keys of the last baking that are still there."""
+    deformation = deformation_of(obj)
+    names = {deformation.key, *(entry.name for entry in deformation.baked)}
     keys: list[bpy.types.ShapeKey] = []
-    for entry in deformation_of(obj).baked:
-        found = _recorded(obj, entry.name, entry.digest)
+    for entry in deformation.baked:
+        found = _recorded(obj, entry.name, entry.digest, names)
         if len(found) == 1 and found[0] not in keys:
             keys += found
     return keys
@@ -105,22 +106,39 @@ def told(names: Sequence[str]) -> str:
     return f"{names[0]!r}{more}"
 
 
-def _recorded(obj: bpy.types.Object, name: str, fingerprint: str) -> list[bpy.types.ShapeKey]:
-    """The key that has the recorded name and shape, else all that have one of them."""
+def _candidates(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
+    """The last deformation, or all that may be it."""
+    deformation = deformation_of(obj)
+    others = {entry.name for entry in deformation.baked}
+    return _recorded(obj, deformation.key, deformation.digest, others)
+
+
+def _recorded(
+    obj: bpy.types.Object, name: str, fingerprint: str, others: set[str]
+) -> list[bpy.types.ShapeKey]:
+    """The key that has the recorded name and shape, else all that have one of them.
+
+    Basis, and the keys that are recorded as ``others``, do not count for their shape alone.
+    """
     keys = obj.data.shape_keys
     if keys is None or not name:
         return []
     named = keys.key_blocks.get(name)
     if not fingerprint or (named is not None and digest(coordinates(named.data)) == fingerprint):
         return [named] if named is not None else []
-    alike = [key for key in keys.key_blocks if digest(coordinates(key.data)) == fingerprint]
+    alike = [
+        key
+        for key in keys.key_blocks
+        if key.name not in others
+        and key != keys.reference_key
+        and digest(coordinates(key.data)) == fingerprint
+    ]
     return alike if named is None else [named, *alike]
 
 
 def _keep_copies(obj: bpy.types.Object) -> None:
     """Mute what may be the last deformation, and note that it is kept."""
-    deformation = deformation_of(obj)
-    copies = _recorded(obj, deformation.key, deformation.digest)
+    copies = _candidates(obj)
     for key in copies:
         key.mute = True
     if copies:

@@ -68,9 +68,20 @@ def kept_up(followed: Iterable[Followed], over_frames: bool = False) -> Iterator
             bpy.context.scene.collection.objects.link(probe)
         except RuntimeError as error:
             raise Refusal(f"{hidden[0][0].name!r} is hidden; show it") from error
+        _take_to_this_frame()
         yield
     finally:
         bpy.data.objects.remove(probe)
+
+
+def _take_to_this_frame() -> None:
+    """Have Blender animate what it did not move before; what it moved keeps unkeyed changes."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    for obj in bpy.data.objects:
+        if obj.evaluated_get(graph).is_evaluated and not is_kept_up(obj):
+            for data in (obj, obj.data):
+                if data is not None and data.animation_data is not None:
+                    data.update_tag(refresh={"TIME"})
 
 
 def matrix_of(
