@@ -87,7 +87,8 @@ the deformed shape, with --frames that of the current frame."""
             metavar="START-END[:STEP]",
             type=_frames,
             help="a shape key for each of these frames and the last one, played in turn as the "
-            "handles move; those of --move go their way from the first to the last",
+            "handles move; those of --move go their way from the first to the last. With = where "
+            "the first is negative: --frames=-10-40",
         )
 
     def complaint_of_own(self, choices: argparse.Namespace) -> str | None:

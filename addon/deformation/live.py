@@ -64,9 +64,11 @@ class LiveDeformation:
         return self._follow(obj, targets)
 
     def settle(self) -> None:
-        """Work the exact answer out and wait for it."""
+        """Work the exact answer out and wait for it; raises Refusal if something is wrong."""
         while not self.is_settled:
             self.update()
+            if self.problem:
+                raise Refusal(self.problem)
 
     def stop(self) -> None:
         """Stop what runs in the background."""
