@@ -13,7 +13,7 @@ from ..scene.animation import animation_of
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.records import coordinates, digest
-from ..scene.shape_keys import add_displacements, set_displacement
+from ..scene.shape_keys import add_displacements, all_or_none, set_displacement
 from .constraints import deformation_of
 
 NAME = "Deformation"
@@ -56,7 +56,8 @@ def write(obj: bpy.types.Object, displacement: np.ndarray) -> bpy.types.ShapeKey
     key = result_key(obj)
     if key is None:
         _keep_copies(obj)
-        (key,) = add_displacements(obj, [NAME], displacement[np.newaxis])
+        with all_or_none(obj):
+            (key,) = add_displacements(obj, [NAME], displacement[np.newaxis])
         key.value = 1.0
     else:
         note_overwriting(key, deformation.key, deformation.digest)

@@ -61,6 +61,7 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
             row = layout.row()
             row.scale_y = 1.4
             row.operator(SPECTRAL_TV_OT_deform_live.bl_idname, text=text, icon="PAUSE")
+            self._draw_problem(layout, context)
             return
         deformation = constraints.deformation_of(obj)
         self._draw_list(layout, deformation)
@@ -84,8 +85,7 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
             if reason == shared_refusal(obj):
                 single = layout.operator("object.make_single_user", icon="DUPLICATE")
                 single.object = single.obdata = True
-        if SPECTRAL_TV_OT_deform_live.problem():
-            say(layout, context, f"Waiting: {SPECTRAL_TV_OT_deform_live.problem()}", "ERROR")
+        self._draw_problem(layout, context)
         draw_fault(layout, context)
         row = layout.row(align=True)
         row.scale_y = 1.4
@@ -95,6 +95,12 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
             icon="PAUSE" if is_live else "PLAY",
             depress=is_live,
         )
+
+    @staticmethod
+    def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw what Live waits for."""
+        if SPECTRAL_TV_OT_deform_live.problem():
+            say(layout, context, f"Waiting: {SPECTRAL_TV_OT_deform_live.problem()}", "ERROR")
 
     @staticmethod
     def _draw_turning(

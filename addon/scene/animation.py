@@ -182,5 +182,5 @@ def _all_curves(action: bpy.types.Action) -> Iterator[bpy.types.FCurve]:
             yield from bag.fcurves
 
 
-def _strips(action: bpy.types.Action) -> list[bpy.types.ActionStrip]:
+def _strips(action: bpy.types.Action) -> list[bpy.types.bpy_struct]:
     return [strip for layer in action.layers for strip in layer.strips]

@@ -226,7 +226,7 @@ def test_a_baking_that_fails_leaves_nothing_behind(held, monkeypatch, before, er
 
 def test_an_action_of_several_slots_is_used_by_its_slot(held):
     if "slots" not in bpy.types.Action.bl_rna.properties:
-        pytest.skip("this Blender has no slots")
+        pytest.skip("this Blender is built without slots of actions")
     key_the_handle(held)
     held.keyframe_insert("location", frame=1)
     held.shape_key_add(name="Basis")
