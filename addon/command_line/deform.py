@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
@@ -110,8 +111,11 @@ the deformed shape, with --frames that of the current frame."""
             raise Refusal("no object in it has constraints; give some with --pin and --move")
         return held
 
-    def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
-        """Give ``obj`` the shape keys of its deformation."""
+    def treat(
+        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
+    ) -> None:
+        """Give an object the shape keys of its deformation."""
+        (obj,) = objects
         if choices.moves and not _parts(obj, [where for where, _ in choices.moves], choices):
             note(f"{obj.name} was left as it is: it has none of the groups to move")
             return

@@ -8,10 +8,11 @@ import spectral_tv
 
 from ..scene import frames as time
 from ..scene.animation import check_animatable, play_in_turn, remove_animation
+from ..scene.coordinates import coordinates
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.places import kept_up
-from ..scene.records import coordinates, digest
+from ..scene.records import digest
 from ..scene.shape_keys import add_displacements, all_or_none
 from . import results
 from .constraints import deformation_of, followed_by
@@ -41,7 +42,7 @@ def prepare(
         first, metric = scene.frame_current, metric_of(obj)
         for number in time.visited(scene, frames):
             try:
-                targets.append(deformable.targets(obj))
+                targets.append(deformable.grips.targets(obj))
             except Refusal as error:
                 raise Refusal(f"on frame {number}: {error}") from error
             if not is_same_metric(metric_of(obj), metric):

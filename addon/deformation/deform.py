@@ -14,7 +14,7 @@ from ..scene.surface import Surface
 from . import results, turning
 from .additions import note_additions
 from .constraints import deformation_of, followed_by, label_of, sharing
-from .handles import Handles
+from .grips import Grips
 
 ONE_AFTER_ANOTHER = "Live and Bake Animation need the algorithm Total Variation"
 # The part of its total variation that the paper's algorithm may waste without a word.
@@ -28,7 +28,7 @@ class Deformable:
     """An object's surface and what constrains it."""
 
     surface: Surface
-    handles: Handles
+    grips: Grips
 
     @classmethod
     def read(cls, obj: bpy.types.Object) -> "Deformable":
@@ -40,19 +40,10 @@ class Deformable:
         if reason is not None:
             raise Refusal(reason)
         bpy.context.evaluated_depsgraph_get()  # for the place of an object that was just moved
-        handles = Handles.read(obj)
-        note_additions(obj, handles.indices)
+        grips = Grips.read(obj, Surface.read(obj))
+        note_additions(obj, grips.handles.indices)
         _note_rest_positions(obj)
-        return cls(Surface.read(obj), handles)
-
-    @property
-    def indices(self) -> np.ndarray:
-        """The constrained vertices of the surface's mesh, (K,)."""
-        return self.surface.place[self.handles.indices]
-
-    def targets(self, obj: bpy.types.Object) -> np.ndarray:
-        """Where they go now, in the space of the surface, (K, 3)."""
-        return self.handles.targets(obj) @ self.surface.matrix.T
+        return cls(grips.surface, grips)
 
     def softness(self, percent: float) -> float:
         """A percentage of the object's size as a length."""
@@ -66,7 +57,8 @@ class Deformable:
         if deformation_of(obj).algorithm != "CONVEX":
             raise Refusal(ONE_AFTER_ANOTHER)
         softness = self.softness(deformation_of(obj).softness)
-        return spectral_tv.Deformer(self.surface.mesh, self.indices, self.handles.weights, softness)
+        grips = self.grips
+        return spectral_tv.Deformer(self.surface.mesh, grips.indices, grips.weights, softness)
 
     def displacement(self, result: spectral_tv.Deformation) -> np.ndarray:
         """What a result moves every vertex of the object by, in object space, (V, 3)."""
@@ -75,8 +67,9 @@ class Deformable:
 
     def note_turning(self, targets: list[np.ndarray], algorithm: str) -> None:
         """Note if handles turn on the way to one of the ``targets``, and pieces do not."""
-        rest = self.surface.mesh.vertices[self.indices]
-        angle = max(turning.of_points(self.handles.owners, rest, each) for each in targets)
+        own = self.grips.is_own  # the other half turns the other way
+        owners, rest = self.grips.owners[own], self.grips.rest[own]
+        angle = max(turning.of_points(owners, rest, each[own]) for each in targets)
         text = turning.told(angle, algorithm)
         if text is not None:
             note(text)
@@ -132,12 +125,12 @@ def prepare(
     results.check_unlocked([] if single is None else [single])
     with kept_up(followed_by(obj)):
         deformable = Deformable.read(obj)
-        targets = deformable.targets(obj)
+        targets = deformable.grips.targets(obj)
     deformable.note_turning([targets], algorithm)
     return deformable, {
-        "indices": deformable.indices,
+        "indices": deformable.grips.indices,
         "targets": targets,
-        "weights": deformable.handles.weights,
+        "weights": deformable.grips.weights,
         "softness": deformable.softness(softness) if algorithm == "CONVEX" else 0.0,
         "algorithm": algorithm.lower(),
     }

@@ -6,10 +6,9 @@ from functools import cached_property
 import bpy
 import numpy as np
 
+from ..scene.coordinates import basis_coordinates, coordinates
 from ..scene.notes import note
 from ..scene.objects import Refusal
-from ..scene.records import coordinates
-from ..scene.surface import basis_coordinates
 from .constraints import SpectralTVConstraint, identified
 
 # Painted weights reach 1 and 0 but for rounding.
@@ -65,8 +64,8 @@ class Handles:
     def targets(self, obj: bpy.types.Object) -> np.ndarray:
         """Where the constraints of ``obj`` take the vertices now, in object space, (K, 3).
 
-        Raises Refusal if what they follow is missing, a constraint was added or removed since they
-        were read, or two send a vertex to different places.
+        Raises Refusal if what they follow is missing, or a constraint was added or removed since
+        they were read.
         """
         constraints = identified(obj)
         if set(constraints) != self._read:
@@ -80,31 +79,7 @@ class Handles:
                 targets[mine] = self.positions[mine] @ motion[:3, :3].T + motion[:3, 3]
             elif constraint.kind == "KEY":
                 targets[mine] = _key_positions(obj, constraint)[self.indices[mine]]
-        self._check_overlaps(targets, constraints)
         return targets
-
-    def _check_overlaps(
-        self, targets: np.ndarray, constraints: dict[int, SpectralTVConstraint]
-    ) -> None:
-        exact = np.flatnonzero(self.weights == 1)
-        vertices, first, inverse = np.unique(
-            self.indices[exact], return_index=True, return_inverse=True
-        )
-        if len(vertices) == len(exact):
-            return
-        other = exact[first][inverse.ravel()]
-        scale = np.ptp(self.positions, axis=0).max()
-        apart = np.abs(targets[exact] - targets[other]).max(axis=1) > 1e-6 * scale
-        if apart.any():
-            entry = int(np.argmax(apart))
-            one, two = (
-                constraints[self.owners[index]].vertex_group
-                for index in (other[entry], exact[entry])
-            )
-            raise Refusal(
-                f"{np.count_nonzero(apart)} vertices, such as {self.indices[exact[entry]]}, are in "
-                f"both {one!r} and {two!r}, which go to different places"
-            )
 
 
 def group_weights(

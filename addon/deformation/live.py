@@ -6,9 +6,12 @@ import bpy
 import numpy as np
 import spectral_tv
 
+from ..scene.coordinates import coordinates
+from ..scene.modifiers import symmetries
 from ..scene.objects import Refusal
 from ..scene.places import is_kept_up
-from ..scene.records import coordinates, digest
+from ..scene.records import digest
+from ..scene.surface import Reading
 from . import results
 from .constraints import deformation_of, followed_by, identified
 from .deform import Deformable, follow_refusal, is_same_metric, metric_of
@@ -85,7 +88,7 @@ class LiveDeformation:
         self._deformable: Deformable | None = None
         self._check_kept_up(obj)
         deformable = Deformable.read(obj)
-        deformable.targets(obj)
+        deformable.grips.targets(obj)
         self._deformer = deformable.deformer(obj)
         self._deformable = deformable
 
@@ -108,7 +111,7 @@ class LiveDeformation:
         if self._deformable is None:
             raise Refusal(self.problem)
         self._check_kept_up(obj)
-        return self._deformable.targets(obj)
+        return self._deformable.grips.targets(obj)
 
     @staticmethod
     def _check_kept_up(obj: bpy.types.Object) -> None:
@@ -161,14 +164,28 @@ def _choices(obj: bpy.types.Object) -> tuple:
         obj.data.session_uid,
         deformation.softness,
         deformation.algorithm,
+        Reading.of_scene(),
         *((uid, each.vertex_group) for uid, each in identified(obj).items()),
     )
 
 
 def _state(obj: bpy.types.Object) -> str:
-    """Digest of the vertices of ``obj``, and of the weights of its groups."""
+    """Digest of the vertices of ``obj``, of the weights of its groups, and of its mirrors."""
     keys = obj.data.shape_keys
     shape = coordinates(obj.data.vertices if keys is None else keys.reference_key.data)
     groups = {obj.vertex_groups.find(each.vertex_group) for each in identified(obj).values()}
     weights = group_weights(obj, groups)
-    return digest(shape, *(part for group in sorted(weights) for part in weights[group]))
+    return _mirrors(obj) + digest(shape, *(part for group in sorted(weights) for part in weights[group]))
+
+
+def _mirrors(obj: bpy.types.Object) -> str:
+    """What the Mirror modifiers of ``obj`` are set to, and where their objects are against it."""
+    found = []
+    for each in symmetries(obj):
+        away = None
+        if each.mirror_object is not None:
+            away = each.mirror_object.matrix_world.inverted_safe() @ obj.matrix_world
+            away = np.round(np.array(away), 4).tolist()
+        merged = each.merge_threshold if each.use_mirror_merge else 0.0
+        found.append((each.name, tuple(each.use_axis), merged, away))
+    return repr(found)

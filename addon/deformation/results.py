@@ -10,9 +10,10 @@ import bpy
 import numpy as np
 
 from ..scene.animation import animation_of
+from ..scene.coordinates import coordinates
 from ..scene.notes import note
 from ..scene.objects import Refusal
-from ..scene.records import coordinates, digest
+from ..scene.records import digest
 from ..scene.shape_keys import add_displacements, all_or_none, set_displacement
 from .constraints import deformation_of
 
