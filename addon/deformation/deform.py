@@ -40,7 +40,7 @@ class Deformable:
         if reason is not None:
             raise Refusal(reason)
         bpy.context.evaluated_depsgraph_get()  # for the place of an object that was just moved
-        grips = Grips.read(obj, Surface.read(obj))
+        grips = Grips.read(obj)
         note_additions(obj, grips.handles.indices)
         _note_rest_positions(obj)
         return cls(grips.surface, grips)

@@ -23,8 +23,8 @@ class Grips:
     """Constrained vertices: ``indices`` (K,) in the surface's mesh, ``weights`` (K,) in (0, 1].
 
     ``owners`` (K,) are the identifiers of their constraints, ``is_own`` (K,) tells which are in
-    the object's own half. ``entries`` (E, 3) say which vertex of the handles, in which copy of the
-    object, goes to which of the K.
+    the object's own half, and not on a plane of symmetry. ``entries`` (E, 3) say which vertex of
+    the handles, in which copy of the object, goes to which of the K.
     """
 
     surface: Surface
@@ -36,12 +36,12 @@ class Grips:
     entries: np.ndarray
 
     @classmethod
-    def read(cls, obj: bpy.types.Object, surface: Surface) -> "Grips":
-        """Read the constraints of ``obj``; raises Refusal as `Handles.read` does.
+    def read(cls, obj: bpy.types.Object) -> "Grips":
+        """Read the constraints and the surface of ``obj``.
 
-        It is a reason too if all vertices of a constraint are left out of the surface.
+        Raises Refusal or spectral_tv.MeshError if one of them cannot be used.
         """
-        handles = Handles.read(obj)
+        handles, surface = Handles.read(obj), Surface.read(obj)
         places = surface.copies.places[:, handles.indices]
         copies, vertices = np.nonzero(places >= 0)
         for owner, constraint in identified(obj).items():
@@ -53,6 +53,7 @@ class Grips:
         weights, is_own = np.zeros(len(found)), np.zeros(len(found), dtype=bool)
         np.maximum.at(weights, which, handles.weights[vertices])
         is_own[which[copies == 0]] = True
+        is_own[which[copies > 0]] = False
         entries = np.column_stack([vertices, copies, which])
         return cls(surface, handles, found[:, 1], weights, found[:, 0], is_own, entries)
 
@@ -93,12 +94,10 @@ class Grips:
         one, two = (
             constraints[self.owners[index]].vertex_group for index in (other[entry], exact[entry])
         )
-        sent = np.unique(self.handles.indices[self._vertices_of(exact[apart])])
+        sent = self.entries[np.isin(self.entries[:, 2], exact[apart]), 0]
+        vertices = np.unique(self.handles.indices[sent])
         raise Refusal(
-            f"{len(sent)} vertices, such as {sent[0]}, are in both {one!r} and {two!r}, which go to "
-            "different places",
-            sent,
+            f"{len(vertices)} vertices, such as {vertices[0]}, are in both {one!r} and {two!r}, "
+            "which go to different places",
+            vertices,
         )
-
-    def _vertices_of(self, grips: np.ndarray) -> np.ndarray:
-        return self.entries[np.isin(self.entries[:, 2], grips), 0]

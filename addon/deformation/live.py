@@ -175,7 +175,8 @@ def _state(obj: bpy.types.Object) -> str:
     shape = coordinates(obj.data.vertices if keys is None else keys.reference_key.data)
     groups = {obj.vertex_groups.find(each.vertex_group) for each in identified(obj).values()}
     weights = group_weights(obj, groups)
-    return _mirrors(obj) + digest(shape, *(part for group in sorted(weights) for part in weights[group]))
+    parts = [part for group in sorted(weights) for part in weights[group]]
+    return _mirrors(obj) + digest(shape, *parts)
 
 
 def _mirrors(obj: bpy.types.Object) -> str:

@@ -286,9 +286,9 @@ def test_modifiers_that_change_what_is_seen_are_told(held, capfd):
     held.modifiers.new("Subdivision", "SUBSURF")
     pull(held, 0.5)
     assert "modifiers" not in told(capfd)
-    held.modifiers.new("Mirror", "MIRROR")
+    held.modifiers.new("Array", "ARRAY")
     pull(held, 0.5)
-    assert "modifiers act on what is deformed, 'Mirror'" in told(capfd)
-    held.modifiers["Mirror"].show_viewport = False
+    assert "modifiers act on what is deformed, 'Array'" in told(capfd)
+    held.modifiers["Array"].show_viewport = False
     pull(held, 0.5)
     assert "modifiers" not in told(capfd)
