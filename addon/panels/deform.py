@@ -112,9 +112,11 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
         if text is None:
             return
         say(layout, context, text[0].upper() + text[1:], "INFO")
+        column = layout.column()
+        column.use_property_split = False
         for algorithm in constraints.TURNING:
             label = f"Take {constraints.label_of(algorithm)}"
-            layout.prop_enum(deformation, "algorithm", algorithm, text=label)
+            column.prop_enum(deformation, "algorithm", algorithm, text=label)
 
     @staticmethod
     def _draw_list(layout: bpy.types.UILayout, deformation) -> None:
