@@ -7,7 +7,7 @@ from ..scene import mix
 from ..scene.coordinates import basis_coordinates
 from ..scene.modifiers import passed_over, symmetries
 from ..scene.notes import note
-from .results import baked_keys, result_key, told
+from .results import Known, told
 
 # Modifiers that refine a shape, and leave it as it is else.
 REFINING = {"SUBSURF", "MULTIRES", "TRIANGULATE", "EDGE_SPLIT"}
@@ -17,7 +17,8 @@ NOTICED = 1e-3
 
 def note_additions(obj: bpy.types.Object, constrained: np.ndarray) -> None:
     """Note what else moves the ``constrained`` vertices of ``obj``, or all that is seen of it."""
-    mine = [result_key(obj), *baked_keys(obj)]
+    known = Known.of(obj)
+    mine = [known.single, *known.baked, *known.kept]
     others = [] if obj.show_only_shape_key else mix.parts(obj)
     others = [part for part in others if part.key not in mine]
     if others:

@@ -7,13 +7,12 @@ import numpy as np
 import spectral_tv
 
 from ..scene import frames as time
-from ..scene.animation import check_animatable, play_in_turn, remove_animation
-from ..scene.coordinates import coordinates
+from ..scene.animation import as_before, check_animatable, play_in_turn
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.places import kept_up
-from ..scene.records import digest
-from ..scene.shape_keys import add_displacements, all_or_none
+from ..scene.shape_keys import add_displacements, remove_key
+from ..scene.whole import whole
 from . import results
 from .constraints import deformation_of, followed_by
 from .deform import Deformable, is_same_metric, metric_of
@@ -32,7 +31,6 @@ def prepare(
     ``progress`` takes the fraction of the frames that was read. Raises Refusal or
     spectral_tv.MeshError if it cannot be deformed.
     """
-    results.check_unlocked(results.baked_keys(obj))
     if obj.data.shape_keys is not None:
         check_animatable(obj.data.shape_keys)
     scene = bpy.context.scene
@@ -63,32 +61,22 @@ def write(
     They replace those of an earlier baking, once they are all there.
     """
     names = [f"{results.NAME} {frame}" for frame in frames]
-    former = results.baked_keys(obj)
-    with all_or_none(obj):
+    former = results.Known.of(obj)
+    with whole(obj), as_before(obj):
         displacements = (deformable.displacement(each) for each in solutions)
         keys = add_displacements(obj, names, displacements)
         play_in_turn(obj, keys, frames)
-    _remove_baked(obj, former)
+    results.keep(former.kept)
+    for key in former.baked:
+        remove_key(obj, key)
+    baked = deformation_of(obj).baked
+    baked.clear()
     for key, name in zip(keys, names, strict=True):
-        key.name = name
-        entry = deformation_of(obj).baked.add()
-        entry.name, entry.digest = key.name, digest(coordinates(key.data))
+        if name not in obj.data.shape_keys.key_blocks:  # free by now
+            key.name = name
+        baked.add().take(obj, "KEY", key.name)
+    deformation_of(obj).vertex_count = len(obj.data.vertices)
     results.show_baked(obj)
     scene = bpy.context.scene
     scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # the shape of this frame
     return f"{len(keys)} frames baked" if len(keys) > 1 else f"frame {frames[0]} baked"
-
-
-def _remove_baked(obj: bpy.types.Object, former: list[bpy.types.ShapeKey]) -> None:
-    """Remove the shape keys of an earlier baking, ``former``, and their animation."""
-    baked = deformation_of(obj).baked
-    recorded = {entry.digest for entry in baked}
-    changed = []
-    for key in former:
-        if digest(coordinates(key.data)) not in recorded:
-            changed.append(key.name)
-        remove_animation(obj, key)
-        obj.shape_key_remove(key)
-    if changed and "" not in recorded:
-        note(f"edited since the last baking, and removed with it: {results.told(changed)}")
-    baked.clear()

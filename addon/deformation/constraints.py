@@ -14,6 +14,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..scene.fingerprints import Fingerprint
 from ..scene.objects import Refusal
 from ..scene.places import Followed, is_in_a_scene, kept_up, matrix_of
 
@@ -157,10 +158,8 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
         return matrix
 
 
-class SpectralTVBakedKey(bpy.types.PropertyGroup):
-    """A shape key of one frame; its name is the key's."""
-
-    digest: StringProperty(name="Digest", description="Of the shape key's coordinates")
+class SpectralTVBakedKey(Fingerprint, bpy.types.PropertyGroup):
+    """A shape key of one frame."""
 
 
 class DeformationProperties:
@@ -182,16 +181,17 @@ class DeformationProperties:
     )
 
 
-class SpectralTVDeformation(DeformationProperties, bpy.types.PropertyGroup):
-    """The constraints of an object, and the shape key they lead to."""
+class SpectralTVDeformation(Fingerprint, DeformationProperties, bpy.types.PropertyGroup):
+    """The constraints of an object, and the fingerprint of the shape key they lead to."""
 
     constraints: CollectionProperty(type=SpectralTVConstraint)
     active: IntProperty(name="Constraint", description="The chosen constraint")
+    vertex_count: IntProperty(
+        name="Vertices", description="Of the mesh when a shape key was written", options={"HIDDEN"}
+    )
     last_uid: IntProperty(
         name="Last Identifier", description="The last that a constraint got", options={"HIDDEN"}
     )
-    key: StringProperty(name="Result", description="The shape key that holds the deformation")
-    digest: StringProperty(name="Digest", description="Of the shape key's coordinates")
     bake_step: IntProperty(
         name="Step",
         description="Frames from one baked shape key to the next; the last frame always has one",

@@ -121,8 +121,6 @@ def prepare(
 
     ``softness`` is in percent. Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
     """
-    single = results.result_key(obj)
-    results.check_unlocked([] if single is None else [single])
     with kept_up(followed_by(obj)):
         deformable = Deformable.read(obj)
         targets = deformable.grips.targets(obj)

@@ -6,9 +6,10 @@ from functools import cached_property
 import bpy
 import numpy as np
 
-from ..scene.coordinates import basis_coordinates, coordinates
+from ..scene.coordinates import basis_coordinates
 from ..scene.notes import note
 from ..scene.objects import Refusal
+from ..scene.shape_keys import key_shape
 from .constraints import SpectralTVConstraint, identified
 
 # Painted weights reach 1 and 0 but for rounding.
@@ -116,4 +117,4 @@ def _key_positions(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> n
     keys = obj.data.shape_keys
     if keys is None or constraint.shape_key not in keys.key_blocks:
         raise Refusal(f"there is no shape key {constraint.shape_key!r} to move to")
-    return coordinates(keys.key_blocks[constraint.shape_key].data).reshape(-1, 3).astype(float)
+    return key_shape(keys.key_blocks[constraint.shape_key])

@@ -34,8 +34,6 @@ class LiveDeformation:
 
     def __init__(self, obj: bpy.types.Object) -> None:
         """Read ``obj``; raises Refusal or spectral_tv.MeshError if it cannot be deformed."""
-        single = results.result_key(obj)
-        results.check_unlocked([] if single is None else [single])
         self._name = obj.name
         self._counts = _counts(obj)
         self._job: spectral_tv.Job | None = None

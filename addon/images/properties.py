@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
-from ..filters.filtering import FilterProperties
+from ..filters.filtering import FilterProperties, SidebarFilter
 from .bands import Choice
 
 RESULTS = (
@@ -89,7 +89,7 @@ class ImageProperties(FilterProperties):
         column.prop(self, "steps")
 
 
-class SpectralTVImages(ImageProperties, bpy.types.PropertyGroup):
+class SpectralTVImages(SidebarFilter, ImageProperties, bpy.types.PropertyGroup):
     """The choices in the Image Editor's sidebar, kept with the scene."""
 
 

@@ -25,6 +25,7 @@ __all__ = [
     "cosegment",
     "decompose",
     "decompose_image",
+    "default_base_time",
     "default_scales",
     "deform",
     "eigenpairs",
@@ -326,6 +327,7 @@ def accuracy(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    metric: Literal["surface", "base"] = "surface",
 ) -> Accuracy: ...
 def start_accuracy(
     mesh: Mesh,
@@ -341,6 +343,7 @@ def start_accuracy(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    metric: Literal["surface", "base"] = "surface",
 ) -> Job: ...
 def eigenpairs(
     mesh: Mesh, count: int, progress: _Progress | None = None
@@ -426,5 +429,6 @@ def conformal_flow(
     solver: _Solver = "auto",
 ) -> NDArray[np.float64]: ...
 def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
+def default_base_time() -> float: ...
 def default_scales(method: _Method, eigenpairs: int = 300) -> tuple[float, float]: ...
 def graded_times(finest: float, largest: float, steps: int = 32) -> NDArray[np.float64]: ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from deform_scene import (
     key_positions,
     members,
 )
+
+KEPT = "kept and muted, as changed, locked or copied since it was written"
 
 
 def keys(obj):
@@ -155,12 +158,12 @@ def test_a_copy_is_kept_though_the_result_was_sculpted_since(held, capfd):
     pull(held, 0.5)
     copy_of(held, keys(held)["Deformation"], "Keep")
     kept = key_positions(held, "Keep")
-    keys(held)["Deformation"].data[0].co.z += 1
+    change(held, "Deformation")
     sculpted = key_positions(held)
     pull(held, 0.8)
     np.testing.assert_array_equal(key_positions(held, "Keep"), kept)
     np.testing.assert_array_equal(key_positions(held), sculpted)
-    assert "they are kept, muted, and a new key is made" in told(capfd)
+    assert f"{KEPT}: 'Keep' and 1 more" in told(capfd)
     np.testing.assert_allclose(seen(held), 0.8, atol=1e-5)
 
 
@@ -173,38 +176,83 @@ def test_a_renamed_result_with_a_copy_is_kept_with_it_and_told(held, capfd):
     assert [key.name for key in keys(held)] == ["Basis", "Keep", "Other", "Deformation"]
     for name, shape in zip(("Keep", "Other"), kept, strict=True):
         np.testing.assert_array_equal(key_positions(held, name), shape)
-    assert "'Keep' and 1 more hold the last deformation: they are kept, muted" in told(capfd)
+    assert f"{KEPT}: 'Keep' and 1 more" in told(capfd)
     np.testing.assert_allclose(seen(held), 0.8, atol=1e-5)
     pull(held, 0.3)
     assert len(keys(held)) == 4
 
 
-def test_what_is_overwritten_of_the_users_is_told(held, capfd):
+def test_a_key_of_the_user_that_took_the_name_is_no_result(held, capfd):
     pull(held, 0.5)
-    keys(held)["Deformation"].name = "Lean"
-    told(capfd)
-    pull(held, 0.6)
-    assert "'Lean', which was 'Deformation', is overwritten" in told(capfd)
-    keys(held)["Lean"].data[0].co.z += 1
-    pull(held, 0.7)
-    assert "'Lean' was edited since it was written; that is overwritten" in told(capfd)
-    pull(held, 0.8)
-    assert "overwritten" not in told(capfd)
-
-
-def test_a_locked_result_is_not_overwritten(held):
-    pull(held, 0.5)
+    held.shape_key_remove(keys(held)["Deformation"])
+    mine = held.shape_key_add(name="Deformation", from_mix=False)
+    mine.value = 0
+    mine.data[7].co.z += 1
     before = key_positions(held)
-    keys(held)["Deformation"].lock_shape = True
-    handle(held).location.x = 0.8
-    with pytest.raises(RuntimeError, match="'Deformation' is locked, and would be overwritten"):
-        bpy.ops.spectral_tv.deform()
+    pull(held, 0.8)
     np.testing.assert_array_equal(key_positions(held), before)
+    assert not mine.mute and KEPT not in told(capfd)
+    np.testing.assert_allclose(seen(held), 0.8, atol=1e-5)
+
+
+def change(obj, name: str) -> None:
+    """Sculpt a little on a key."""
+    keys(obj)[name].data[0].co.z += 1
+
+
+def lock(obj, name: str) -> None:
+    keys(obj)[name].lock_shape = True
+
+
+@pytest.mark.parametrize("of_the_users", [change, lock])
+def test_a_result_that_was_changed_or_locked_is_kept(held, capfd, of_the_users):
+    pull(held, 0.5)
+    of_the_users(held, "Deformation")
+    before = key_positions(held)
+    told(capfd)
+    pull(held, 0.8)
+    np.testing.assert_array_equal(key_positions(held), before)
+    assert f"{KEPT}: 'Deformation'" in told(capfd)
+    assert [key.name for key in keys(held)] == ["Basis", "Deformation", "Deformation.001"]
+    np.testing.assert_allclose(seen(held), 0.8, atol=1e-5)
+    pull(held, 0.3)
+    assert KEPT not in told(capfd)
+    assert len(keys(held)) == 3
+
+
+@pytest.mark.parametrize("of_the_users", [change, lock])
+def test_a_baked_key_that_was_changed_or_locked_is_kept(held, capfd, of_the_users):
     animate(held)
     bake()
-    keys(held)["Deformation 5"].lock_shape = True
-    with pytest.raises(RuntimeError, match="'Deformation 5' is locked"):
-        bpy.ops.spectral_tv.bake_deformation(frame_start=1, frame_end=9, step=4)
+    of_the_users(held, "Deformation 5")
+    before = key_positions(held, "Deformation 5")
+    bake()
+    np.testing.assert_array_equal(key_positions(held, "Deformation 5"), before)
+    assert f"{KEPT}: 'Deformation 5'" in told(capfd)
+    for frame in (1, 5, 9):
+        bpy.context.scene.frame_set(frame)
+        np.testing.assert_allclose(seen(held), (frame - 1) / 10, atol=1e-5)
+    bake()
+    assert len(keys(held)) == 5
+
+
+def test_a_result_is_known_though_basis_was_sculpted_or_vertices_were_added(held):
+    pull(held, 0.5)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(held.data)
+    edited.verts.ensure_lookup_table()
+    edited.verts[5].co.z += 0.1  # moves the other keys along
+    bmesh.update_edit_mesh(held.data)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    pull(held, 0.6)
+    assert [key.name for key in keys(held)] == ["Basis", "Deformation"]
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    pull(held, 0.7)
+    assert [key.name for key in keys(held)] == ["Basis", "Deformation"]
+    np.testing.assert_allclose(seen(held), 0.7, atol=1e-5)
 
 
 def test_keys_of_the_user_that_bear_the_names_of_frames_stay(held):
