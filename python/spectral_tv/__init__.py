@@ -39,6 +39,7 @@ from spectral_tv._native import (
     estimate,
     flow,
     graded_times,
+    set_threads,
     start_accuracy,
     start_caricature,
     start_cosegment,
@@ -47,8 +48,10 @@ from spectral_tv._native import (
     start_deform,
     start_eigenset_test,
     start_flow,
+    threads,
     total_variation,
 )
+from spectral_tv._threads import use_threads
 
 __all__ = [
     "Accuracy",
@@ -76,6 +79,7 @@ __all__ = [
     "estimate",
     "flow",
     "graded_times",
+    "set_threads",
     "start_accuracy",
     "start_caricature",
     "start_cosegment",
@@ -84,5 +88,7 @@ __all__ = [
     "start_deform",
     "start_eigenset_test",
     "start_flow",
+    "threads",
     "total_variation",
+    "use_threads",
 ]

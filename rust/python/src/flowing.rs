@@ -7,7 +7,6 @@ use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::{Heat, Law, TotalVariation, conformal_mean_curvature_flow};
 use spectral_tv::method::run_flow;
-use spectral_tv::monitor::Monitor;
 use spectral_tv::operators::{self, Discretization};
 use spectral_tv::spectral::SpectralTransform;
 
@@ -152,7 +151,7 @@ fn start<T: Send + 'static>(
         }
     };
     let mesh = Arc::clone(&mesh.inner);
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         let stage = monitor.whole();
         let operators = Discretization::new(&mesh, stage)?;
         let law: Box<dyn Law> = match is_tv {
@@ -170,7 +169,7 @@ fn start<T: Send + 'static>(
             operators.masses().to_vec(),
             layout,
         )))
-    })?)
+    })
 }
 
 /// Conformalized mean curvature flow (Kazhdan, Solomon and Ben-Chen 2012), neither rescaled nor
@@ -214,7 +213,7 @@ pub fn conformal_flow<'py>(
         let operators = Discretization::new(&mesh, stage)?;
         conformal_mean_curvature_flow(&mesh, &operators, time, steps, solver, stage)
     })?;
-    Ok(arrays::per_vertex(py, &task.wait(py, progress)?))
+    arrays::per_vertex(py, task.wait(py, progress)?.view())
 }
 
 /// Total variation of a function on the mesh: Σ_f A_f |∇u|_f, over all channels together
@@ -242,8 +241,8 @@ pub fn total_variation(
 ) -> Result<f64, Failure> {
     let (values, _) = arrays::channels("values", values)?;
     let mesh = &mesh.inner;
-    guarded(py, || {
-        let operators = Discretization::new(mesh, Monitor::new().whole())?;
+    guarded(py, |stage| {
+        let operators = Discretization::new(mesh, stage)?;
         operators.check_values(values.view())?;
         Ok(operators::total_variation(
             operators.gradient(),

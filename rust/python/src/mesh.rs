@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use spectral_tv::memory::needs;
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::operators::positions;
 
 use crate::arrays;
 use crate::error::Failure;
+use crate::job::guarded;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 
 /// A triangle mesh with V vertices and F triangles, checked once.
 ///
@@ -35,10 +37,19 @@ pub struct Mesh {
 #[pymethods]
 impl Mesh {
     #[new]
-    fn new(vertices: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> Result<Self, Failure> {
+    fn new(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+    ) -> Result<Self, Failure> {
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let mesh = TriangleMesh::new(vertices, &triangles)?;
+        let mesh = guarded(py, |stage| {
+            let (v, f) = (vertices.len(), triangles.len());
+            let what = format!("a mesh of {v} vertices and {f} triangles");
+            stage.claim(needs::mesh(v, f), &what, "take a smaller one")?;
+            TriangleMesh::new(vertices, &triangles)
+        })?;
         Ok(Self {
             inner: Arc::new(mesh),
         })
@@ -46,18 +57,15 @@ impl Mesh {
 
     /// Positions, (V, 3); a copy.
     #[getter]
-    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        arrays::per_vertex(py, &positions(&self.inner))
+    fn vertices<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::rows(py, self.inner.vertices().iter().copied())
     }
 
     /// Corners of the triangles, (F, 3) int64; a copy.
     #[getter]
-    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
-        let triangles = self.inner.triangles();
-        ndarray::Array2::from_shape_fn((triangles.len(), 3), |(face, corner)| {
-            i64::from(triangles[face][corner])
-        })
-        .into_pyarray(py)
+    fn triangles<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<i64>>, Failure> {
+        let triangles = self.inner.triangles().iter();
+        arrays::rows(py, triangles.map(|corners| corners.map(i64::from)))
     }
 
     /// Area of the surface, length².
@@ -68,14 +76,14 @@ impl Mesh {
 
     /// Area of each triangle, (F,), length².
     #[getter]
-    fn face_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.face_areas().to_vec().into_pyarray(py)
+    fn face_areas<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, self.inner.face_areas())
     }
 
     /// A third of the area of each vertex's triangles, (V,), length²; 0 in no triangle.
     #[getter]
-    fn vertex_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.vertex_areas().to_vec().into_pyarray(py)
+    fn vertex_areas<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, self.inner.vertex_areas())
     }
 
     fn __repr__(&self) -> String {
@@ -85,5 +93,35 @@ impl Mesh {
             self.inner.triangles().len(),
             self.inner.area()
         )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The mesh itself: nothing can change it.
+    fn __copy__(mesh: Bound<'_, Self>) -> Bound<'_, Self> {
+        mesh
+    }
+
+    /// The mesh itself.
+    fn __deepcopy__<'py>(mesh: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        mesh
+    }
+}
+
+impl Pickled for Mesh {
+    const NAME: &'static str = "Mesh";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        let py = parts.py();
+        let vertices = arrays::rows(py, self.inner.vertices().iter().copied())?;
+        parts.value("vertices", vertices)?;
+        let triangles = arrays::rows(py, self.inner.triangles().iter().copied())?;
+        parts.value("triangles", triangles)
+    }
+
+    fn read(py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        Self::new(py, &parts.get("vertices")?, &parts.get("triangles")?)
     }
 }

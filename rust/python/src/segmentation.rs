@@ -74,10 +74,10 @@ fn start<T: Send + 'static>(
         .iter()
         .map(|decomposition| Arc::clone(&decomposition.get().inner))
         .collect();
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         let inner: Vec<_> = inner.iter().map(AsRef::as_ref).collect();
         segmentation::cosegment(&inner, segments, seed, monitor.whole()).map(wrap)
-    })?)
+    })
 }
 
 fn arrays(py: Python<'_>, labels: Labels) -> Vec<Bound<'_, PyArray1<i64>>> {

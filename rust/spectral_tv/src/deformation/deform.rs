@@ -85,7 +85,7 @@ pub fn deform(
             "softness is for the convex algorithm only".into(),
         ));
     }
-    check_memory(mesh)?;
+    check_memory(mesh, stage)?;
     let targets = constraints.targets(targets)?;
     let operators = Discretization::new(mesh, stage)?;
     operators.check_gradients(targets.spread())?;

@@ -24,6 +24,7 @@ mod velocity;
 
 pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
 pub use heat::Heat;
+pub use increment::Increment;
 pub use laplace_beltrami::Eigenpairs;
 pub use law::Law;
 pub use proximal::proximal_flow;

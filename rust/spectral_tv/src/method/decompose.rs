@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::flow::{
     Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow,
 };
-use crate::memory::{self, needs};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::{FEWEST_STEPS, adapted, subdivided};
 use crate::method::representation::{Flowed, Representation};
@@ -46,7 +46,7 @@ impl Scheme {
     }
 
     /// Whether systems of a flow of so many channels are surely solved by iteration.
-    pub(super) fn is_iterated(self, solver: Solver, vertices: usize, channels: usize) -> bool {
+    pub(crate) fn is_iterated(self, solver: Solver, vertices: usize, channels: usize) -> bool {
         let demand = self.demand(channels);
         demand.is_some_and(|demand| solver.is_iterative(vertices, demand))
     }
@@ -107,7 +107,7 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     }
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
-    check_memory(mesh, settings)?;
+    check_memory(mesh, settings, stage)?;
     let operators = Discretization::new(mesh, stage)?;
     let mut base = None;
     let (trajectory, displacement) = match &settings.method {
@@ -246,7 +246,7 @@ pub fn run_flow(
         times.len().saturating_sub(1),
         values.ncols()
     );
-    memory::check(needed, &what, "take fewer steps or vertices")?;
+    stage.require(needed, &what, "take fewer steps or vertices")?;
     match scheme {
         Scheme::SemiImplicit(weights) => {
             semi_implicit_flow(operators, law, weights, values, times, solver, stage)

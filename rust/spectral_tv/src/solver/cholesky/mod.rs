@@ -24,7 +24,7 @@ use ndarray::{Array2, Axis};
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
-use crate::memory::{self, NUMBER};
+use crate::memory::NUMBER;
 use crate::monitor::Stage;
 use factor::Numbers;
 use supernodes::Supernodes;
@@ -148,7 +148,7 @@ impl Cholesky {
                 let sizes = units
                     .iter()
                     .map(|unit| unit.panel_length + unit.stack_length);
-                memory::check(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
+                stage.require(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
                 let room = |unit: &Unit| {
                     stage.check()?;
                     Numbers::new(unit, WHAT, ADVICE)
