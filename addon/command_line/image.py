@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 import spectral_tv
 
+from ..files.whole import written
 from ..images import pixels
 from ..images.bands import Choice, prepare, write
 from ..images.properties import METRICS
@@ -127,7 +128,8 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
         target = _target(choices, source)
         result = bpy.data.images[name]
         result.file_format = FORMATS[target.suffix.lower()]
-        result.save(filepath=str(target.absolute()))
+        with written(target) as path:
+            result.save(filepath=str(path))
         say(f"{source}: wrote {target}")
 
 

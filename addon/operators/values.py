@@ -12,6 +12,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..attributes import curves, flows
 from ..attributes.properties import AttributeProperties, MeasureProperties
+from ..files.whole import NotWritten, write_text
 from ..scene.objects import Refusal
 from ._job import JobOperator
 
@@ -100,9 +101,9 @@ class SPECTRAL_TV_OT_export_values(ExportHelper, bpy.types.Operator):
 def save(path: str, text: str) -> None:
     """Write a text to a file, // being the folder of the .blend; raises Refusal if it cannot."""
     try:
-        Path(bpy.path.abspath(path)).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror}") from error
+        write_text(Path(bpy.path.abspath(path)), text)
+    except NotWritten as error:
+        raise Refusal(str(error)) from error
 
 
 CLASSES = (SPECTRAL_TV_OT_plot_values, SPECTRAL_TV_OT_export_values)

@@ -340,6 +340,16 @@ pub fn array_of<'py, T: Element + Copy>(
     Ok(copied(values)?.into_pyarray(py))
 }
 
+/// So many numbers as a NumPy array.
+pub fn collected<T: Element>(
+    py: Python<'_>,
+    values: impl ExactSizeIterator<Item = T>,
+) -> Result<Bound<'_, PyArray1<T>>, Failure> {
+    let mut array = vector(values.len(), COPY, LESS)?;
+    array.extend(values);
+    Ok(array.into_pyarray(py))
+}
+
 /// (rows, columns) as a NumPy array of the same shape.
 pub fn table_of<'py, T: Element + Copy>(
     py: Python<'py>,

@@ -1,18 +1,25 @@
 //! The class `Mesh`.
 
+use std::ffi::CString;
 use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
+use spectral_tv::Error;
 use spectral_tv::memory::needs;
-use spectral_tv::mesh::TriangleMesh;
+use spectral_tv::mesh::{Broken, Repair, TriangleMesh};
+use spectral_tv::monitor::Stage;
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, MeshWarning};
+use crate::findings::Findings;
 use crate::job::guarded;
+use crate::parameters::Number;
 use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 
-/// A triangle mesh with V vertices and F triangles, checked once.
+/// A triangle mesh with N vertices, checked once.
 ///
 /// Zero-area triangles, boundaries, non-manifold edges, several components and vertices in no
 /// triangle are accepted.
@@ -23,12 +30,26 @@ use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 ///     Positions, in any unit of length.
 /// triangles : (F, 3) array of integers
 ///     Indices of each triangle's corners.
+/// weld : float, optional
+///     A length: surfaces are joined along open edges, which belong to one triangle only, that are
+///     within it of one another. Corners there become one, at their mean, and an edge is split
+///     at the corners of other edges that lie on it, which adds triangles. 0 joins what is at exactly
+///     the same place alone. A corner moves by less than a third of its shortest edge, however long
+///     `weld` is. Without it all vertices stay as they are.
+/// broken : {"refuse", "drop"}
+///     What becomes of vertices that are not finite, or beyond 1e100: the mesh is refused, or they
+///     are dropped with all their triangles, with a warning.
 ///
 /// Raises
 /// ------
 /// MeshError
 ///     Names the first vertex that is not finite or triangle whose index is out of range; or
 ///     says that the mesh has no triangles or spans no area.
+///
+/// Warns
+/// -----
+/// MeshWarning
+///     If vertices were dropped.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Mesh {
     pub inner: Arc<TriangleMesh>,
@@ -37,31 +58,39 @@ pub struct Mesh {
 #[pymethods]
 impl Mesh {
     #[new]
+    #[pyo3(signature = (vertices, triangles, weld = None, broken = "refuse"))]
     fn new(
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
         triangles: &Bound<'_, PyAny>,
+        weld: Option<Bound<'_, PyAny>>,
+        broken: &str,
     ) -> Result<Self, Failure> {
+        let repair = Repair {
+            weld: weld.as_ref().map(length).transpose()?,
+            broken: what_becomes_of_broken(broken)?,
+        };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let mesh = guarded(py, |stage| {
-            let (v, f) = (vertices.len(), triangles.len());
-            let what = format!("a mesh of {v} vertices and {f} triangles");
-            stage.claim(needs::mesh(v, f), &what, "take a smaller one")?;
-            TriangleMesh::new(vertices, &triangles)
+        let mesh = made(py, vertices, &triangles, |vertices, triangles| {
+            TriangleMesh::repaired(vertices, triangles, &repair)
         })?;
+        if mesh.weld_map().is_some() && mesh.findings().dropped_vertices > 0 {
+            warn(py, &mesh.findings().dropped())?;
+        }
         Ok(Self {
             inner: Arc::new(mesh),
         })
     }
 
-    /// Positions, (V, 3); a copy.
+    /// Positions, (N, 3); a copy.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         arrays::rows(py, self.inner.vertices().iter().copied())
     }
 
-    /// Corners of the triangles, (F, 3) int64; a copy.
+    /// Corners of the triangles, (F, 3) int64; a copy. Triangles that were split are shorter, and
+    /// their other parts are behind all others.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<i64>>, Failure> {
         let triangles = self.inner.triangles().iter();
@@ -80,10 +109,55 @@ impl Mesh {
         arrays::array_of(py, self.inner.face_areas())
     }
 
-    /// A third of the area of each vertex's triangles, (V,), length²; 0 in no triangle.
+    /// A third of the area of each vertex's triangles, (N,), length²; 0 in no triangle.
     #[getter]
     fn vertex_areas<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         arrays::array_of(py, self.inner.vertex_areas())
+    }
+
+    /// Which of the N vertices each of those handed in is now, (V,) int64; -1 for one that was
+    /// dropped. `values[mesh.weld_map]` are the values of all of them, where none is -1.
+    #[getter]
+    fn weld_map<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<i64>>, Failure> {
+        match self.inner.weld_map() {
+            Some(map) => {
+                let place = |place: &Option<u32>| place.map_or(-1, i64::from);
+                arrays::collected(py, map.iter().map(place))
+            }
+            None => {
+                let count = self.inner.vertex_count();
+                arrays::collected(py, (0..count).map(|vertex| vertex as i64))
+            }
+        }
+    }
+
+    /// What was found in the mesh, and done about it.
+    #[getter]
+    fn findings(&self, py: Python<'_>) -> Result<Findings, Failure> {
+        Ok(Findings {
+            inner: guarded(py, |stage| {
+                claim(
+                    stage,
+                    self.inner.vertex_count(),
+                    self.inner.triangles().len(),
+                )?;
+                Ok(*self.inner.findings())
+            })?,
+        })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The mesh itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The mesh itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
     }
 
     fn __repr__(&self) -> String {
@@ -93,20 +167,6 @@ impl Mesh {
             self.inner.triangles().len(),
             self.inner.area()
         )
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
-        reduced(py, self)
-    }
-
-    /// The mesh itself: nothing can change it.
-    fn __copy__(mesh: Bound<'_, Self>) -> Bound<'_, Self> {
-        mesh
-    }
-
-    /// The mesh itself.
-    fn __deepcopy__<'py>(mesh: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
-        mesh
     }
 }
 
@@ -118,10 +178,92 @@ impl Pickled for Mesh {
         let vertices = arrays::rows(py, self.inner.vertices().iter().copied())?;
         parts.value("vertices", vertices)?;
         let triangles = arrays::rows(py, self.inner.triangles().iter().copied())?;
-        parts.value("triangles", triangles)
+        parts.value("triangles", triangles)?;
+        // Where nothing was done, there is nothing to keep of it.
+        let is_as_it_was = self.inner.weld_map().is_none();
+        parts.value(
+            "weld_map",
+            (!is_as_it_was).then(|| self.weld_map(py)).transpose()?,
+        )?;
+        parts.value(
+            "findings",
+            (!is_as_it_was).then(|| self.findings(py)).transpose()?,
+        )
     }
 
     fn read(py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
-        Self::new(py, &parts.get("vertices")?, &parts.get("triangles")?)
+        let vertices = arrays::positions("vertices", &parts.get("vertices")?)?;
+        let triangles = arrays::index_triples("triangles", &parts.get("triangles")?)?;
+        let weld_map = match parts.optional("weld_map")? {
+            Some(map) => Some(read_weld_map(&arrays::indices("weld_map", &map)?)?),
+            None => None,
+        };
+        let findings = match parts.optional("findings")? {
+            Some(found) => Some(found.cast::<Findings>().map_err(PyErr::from)?.get().inner),
+            None => None,
+        };
+        let mesh = made(py, vertices, &triangles, |vertices, triangles| {
+            TriangleMesh::from_parts(vertices, triangles, weld_map, findings)
+        })?;
+        Ok(Self {
+            inner: Arc::new(mesh),
+        })
     }
+}
+
+fn read_weld_map(map: &[i64]) -> Result<Vec<Option<u32>>, Failure> {
+    let place = |&place: &i64| match place {
+        -1 => Ok(None),
+        place => u32::try_from(place)
+            .map(Some)
+            .map_err(|_| Error::Argument(format!("weld_map must have places or -1, not {place}"))),
+    };
+    Ok(map.iter().map(place).collect::<Result<_, _>>()?)
+}
+
+/// Makes a mesh, if there is memory for it.
+fn made(
+    py: Python<'_>,
+    vertices: Vec<[f64; 3]>,
+    triangles: &[[i64; 3]],
+    make: impl FnOnce(Vec<[f64; 3]>, &[[i64; 3]]) -> spectral_tv::Result<TriangleMesh> + Send,
+) -> Result<TriangleMesh, Failure> {
+    guarded(py, |stage| {
+        claim(stage, vertices.len(), triangles.len())?;
+        make(vertices, triangles)
+    })
+}
+
+fn claim(stage: Stage, vertices: usize, triangles: usize) -> spectral_tv::Result<()> {
+    stage.claim(
+        needs::mesh(vertices, triangles),
+        &format!("a mesh of {vertices} vertices and {triangles} triangles"),
+        "take a smaller one",
+    )
+}
+
+/// The argument `weld`.
+fn length(weld: &Bound<'_, PyAny>) -> PyResult<f64> {
+    if weld.is_instance_of::<PyBool>() {
+        let message = format!("weld must be a length, not {weld}: 0.0 joins what is at one place");
+        return Err(PyTypeError::new_err(message));
+    }
+    f64::read("weld", weld)
+}
+
+/// The argument `broken`.
+fn what_becomes_of_broken(broken: &str) -> Result<Broken, Error> {
+    match broken {
+        "refuse" => Ok(Broken::Refuse),
+        "drop" => Ok(Broken::Drop),
+        _ => Err(Error::Argument(format!(
+            "broken must be \"refuse\" or \"drop\", not \"{broken}\""
+        ))),
+    }
+}
+
+/// Warns whoever called.
+fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let message = CString::new(message).expect("messages have no 0 in them");
+    PyErr::warn(py, &py.get_type::<MeshWarning>(), &message, 1)
 }

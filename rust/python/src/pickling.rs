@@ -18,6 +18,7 @@ use crate::deformer::Deformer;
 use crate::eigenset::EigensetTest;
 use crate::error::{Failure, MeshError};
 use crate::estimate::Estimate;
+use crate::findings::Findings;
 use crate::flow::Flow;
 use crate::mesh::Mesh;
 
@@ -154,6 +155,7 @@ pub fn _restore<'py>(
         Deformer::NAME => made::<Deformer>(py, parts),
         EigensetTest::NAME => made::<EigensetTest>(py, parts),
         Estimate::NAME => made::<Estimate>(py, parts),
+        Findings::NAME => made::<Findings>(py, parts),
         Flow::NAME => made::<Flow>(py, parts),
         Mesh::NAME => made::<Mesh>(py, parts),
         other => Err(Error::Argument(format!("spectral_tv pickles no {other:?}")).into()),

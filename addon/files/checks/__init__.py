@@ -1,0 +1,50 @@
+"""Whether a file is whole, by what its format says of its own length, or how it ends.
+
+It tells a file that was cut short, wherever; it does not judge what is in it.
+"""
+
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+from . import pictures, scenes, shapes
+from .torn import Torn
+
+CHECKS: dict[str, Callable[[Path], None]] = {
+    ".ply": shapes.ply,
+    ".stl": shapes.stl,
+    ".obj": shapes.obj,
+    ".blend": scenes.blend,
+    ".glb": scenes.glb,
+    ".gltf": scenes.gltf,
+    ".fbx": scenes.fbx,
+    ".usd": scenes.usd,
+    ".usda": scenes.usd,
+    ".usdc": scenes.usd,
+    ".usdz": scenes.usdz,
+    ".abc": scenes.abc,
+    ".dae": scenes.dae,
+    ".png": pictures.png,
+    ".jpg": pictures.jpeg,
+    ".jpeg": pictures.jpeg,
+    ".tif": pictures.tiff,
+    ".tiff": pictures.tiff,
+    ".webp": pictures.webp,
+    ".bmp": pictures.bmp,
+    ".tga": pictures.tga,
+    ".exr": pictures.exr,
+}
+
+
+def check(path: Path) -> None:
+    """Raise Torn if a file of one of these suffixes is not whole."""
+    test = CHECKS.get(path.suffix.lower())
+    if test is None:
+        return
+    try:
+        test(path)
+    except (ValueError, LookupError, OverflowError, struct.error) as error:
+        raise Torn("it makes no sense where it ends") from error
+
+
+__all__ = ["CHECKS", "Torn", "check"]
