@@ -6,7 +6,8 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::{Heat, Law, TotalVariation, conformal_mean_curvature_flow};
-use spectral_tv::method::run_flow;
+use spectral_tv::memory::needs;
+use spectral_tv::method::{require_flow, run_flow};
 use spectral_tv::operators::{self, Discretization};
 use spectral_tv::spectral::SpectralTransform;
 
@@ -153,6 +154,8 @@ fn start<T: Send + 'static>(
     let mesh = Arc::clone(&mesh.inner);
     Task::start(move |monitor| {
         let stage = monitor.whole();
+        let size = needs::Size::of(&mesh);
+        require_flow(size, scheme, values.dim(), &times, solver, stage)?;
         let operators = Discretization::new(&mesh, stage)?;
         let law: Box<dyn Law> = match is_tv {
             true => Box::new(TotalVariation::starting_at(&operators, values.view())?),

@@ -23,6 +23,7 @@ mod settings;
 mod threads;
 
 use pyo3::prelude::*;
+use spectral_tv::solver::warm_up;
 use spectral_tv_system::{Heap, keep_a_little};
 
 #[global_allocator]
@@ -32,6 +33,7 @@ static HEAP: Heap = Heap;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     keep_a_little();
+    warm_up();
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     error::prepare(py)?;

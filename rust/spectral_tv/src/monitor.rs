@@ -15,7 +15,10 @@ const RESOLUTION: f64 = 1e6;
 const UNCHECKED: usize = 1 << 14;
 
 /// The least that is set aside for work to end on, in bytes: what threads take that are used once.
-const LEAST_RATION: u64 = 1 << 23;
+const LEAST_RATION: u64 = 1 << 24;
+
+/// Bytes that need nothing set aside but what is kept for all.
+const SMALL: u64 = 1 << 20;
 
 /// A fraction of work done and a request to stop; lock-free, so that watching costs nothing. And
 /// what memory the work was granted.
@@ -35,8 +38,8 @@ pub struct Monitor {
 struct Claim {
     what: String,
     advice: String,
-    /// Held for as long as the work may take.
-    _ration: Ration,
+    /// Held for as long as the work may take; `None` for little.
+    _ration: Option<Ration>,
 }
 
 impl Monitor {
@@ -90,14 +93,21 @@ impl Monitor {
         if needed <= self.granted.load(Ordering::Relaxed) {
             return Ok(());
         }
-        keep_a_little();
-        // By half as much it gets from anywhere to where it looks whether to go on.
-        let ration = (needed / 2).max(LEAST_RATION);
         let refusal = || memory::refusal(needed, what, advice);
-        let bytes = usize::try_from(ration).map_err(|_| refusal())?;
-        let ration = Ration::new(bytes, Arc::clone(&self.ran_out)).ok_or_else(refusal)?;
+        let mut claim = self.claim.lock().unwrap_or_else(PoisonError::into_inner);
+        *claim = None;
+        let ration = match needed {
+            ..SMALL => keep_a_little().then_some(None),
+            // By half as much it gets from anywhere to where it looks whether to go on.
+            _ => {
+                keep_a_little();
+                let bytes = usize::try_from((needed / 2).max(LEAST_RATION)).ok();
+                bytes.and_then(|bytes| Ration::new(bytes, Arc::clone(&self.ran_out)).map(Some))
+            }
+        };
+        let ration = ration.ok_or_else(refusal)?;
         memory::check_promise(needed, what, advice)?;
-        *self.claim.lock().unwrap_or_else(PoisonError::into_inner) = Some(Claim {
+        *claim = Some(Claim {
             what: what.into(),
             advice: advice.into(),
             _ration: ration,

@@ -1,8 +1,19 @@
 //! The system's allocator, and what happens where it has nothing left.
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::ration;
+
+/// What an array of whole pages is aligned to.
+const PAGE: usize = 4096;
+
+static LARGEST_OF_PAGES: AtomicUsize = AtomicUsize::new(0);
+
+/// The largest array of whole pages that [`Heap`] was asked for, in bytes.
+pub fn largest_of_pages() -> usize {
+    LARGEST_OF_PAGES.load(Ordering::Relaxed)
+}
 
 /// The system's allocator; where it has nothing left, the [`crate::Ration`]s are used up.
 ///
@@ -15,6 +26,9 @@ pub struct Heap;
 #[expect(unsafe_code, reason = "an allocator")]
 unsafe impl GlobalAlloc for Heap {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        if layout.align() >= PAGE {
+            LARGEST_OF_PAGES.fetch_max(layout.size(), Ordering::Relaxed);
+        }
         // SAFETY: the caller's promise about the layout is passed on.
         let attempt = || unsafe { System.alloc(layout) };
         let block = attempt();

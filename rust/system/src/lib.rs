@@ -7,6 +7,6 @@ mod heap;
 mod physical;
 mod ration;
 
-pub use heap::{Heap, give_back};
+pub use heap::{Heap, give_back, largest_of_pages};
 pub use physical::free_memory;
 pub use ration::{Ration, keep_a_little, room};

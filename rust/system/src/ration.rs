@@ -60,14 +60,13 @@ impl Drop for Ration {
     }
 }
 
-/// Sets a little aside for all who have no ration, unless it is there.
-pub fn keep_a_little() {
-    if is_free(LITTLE_PLACE)
-        && let Some(block) = room(LITTLE)
-    {
+/// Sets a little aside for all who have no ration, unless it is there; whether it could.
+pub fn keep_a_little() -> bool {
+    let keep_block = |block| {
         let is_spent = None;
         keep(LITTLE_PLACE, Kept { block, is_spent });
-    }
+    };
+    !is_free(LITTLE_PLACE) || room(LITTLE).map(keep_block).is_some()
 }
 
 /// A vector with room for `count` elements; `None` if the system does not have it. No ration is
@@ -154,7 +153,7 @@ mod tests {
         assert_eq!(spent(), [false, true, false]);
         assert!(give_up(1 << 30));
         assert_eq!(spent(), [false, true, true]);
-        keep_a_little();
+        assert!(keep_a_little());
         assert!(give_up(1 << 20));
         assert_eq!(spent(), [false, true, true]);
         drop(small);

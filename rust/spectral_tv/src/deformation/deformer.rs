@@ -76,16 +76,13 @@ impl Handles {
     }
 }
 
-/// Refuses to deform what does not fit into the memory that is available.
+/// Refuses to deform `mesh` if the `needed` bytes are not available.
 ///
 /// # Errors
 /// [`Error::Memory`].
-pub(super) fn check_memory(mesh: &TriangleMesh, stage: Stage) -> Result<()> {
-    stage.require(
-        needs::deformation(needs::Size::of(mesh)),
-        &format!("deforming {} vertices", mesh.vertex_count()),
-        SMALLER,
-    )
+pub(super) fn require(needed: u64, mesh: &TriangleMesh, stage: Stage) -> Result<()> {
+    let what = format!("deforming {} vertices", mesh.vertex_count());
+    stage.require(needed, &what, SMALLER)
 }
 
 impl Deformer {
@@ -105,7 +102,7 @@ impl Deformer {
                 "softness must be a length, 0 or more, not {softness:?}"
             )));
         }
-        check_memory(mesh, stage)?;
+        require(needs::deformation(needs::Size::of(mesh)), mesh, stage)?;
         let operators = Discretization::new(mesh, stage)?;
         stage.check()?;
         Ok(Self {

@@ -102,8 +102,10 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
             "the set has no boundary: every part of the mesh is wholly in it or outside".into(),
         ));
     }
+    let size = needs::Size::of(mesh);
+    // Beside the flow, the supersets and what diffuses them.
     stage.require(
-        needs::flow(needs::Size::of(mesh), 1, STEPS, false),
+        needs::flow(size, 1, STEPS, false).saturating_add(needs::solutions(size, 0)),
         &format!("testing a set of {} vertices", set.len()),
         "take a mesh of fewer vertices",
     )?;

@@ -91,7 +91,7 @@ pub fn decompose_image(
         }
     };
     stage.require(
-        memory(image, settings, times.len()),
+        memory(image, settings, times.len().saturating_sub(1)),
         &format!("decomposing an image of {columns} × {rows} pixels"),
         "take fewer steps, or a smaller image",
     )?;

@@ -73,6 +73,7 @@ pub fn zeros(count: usize, what: &str, advice: &str) -> Result<Vec<f64>> {
 /// Bytes as a text with two digits or so.
 fn shown(bytes: u64) -> String {
     match bytes as f64 {
+        bytes if bytes < 5e5 => format!("{:.0} kB", bytes / 1e3),
         bytes if bytes < 1e9 => format!("{:.0} MB", bytes / 1e6),
         bytes if bytes < 1e11 => format!("{:.1} GB", bytes / 1e9),
         bytes => format!("{:.0} GB", bytes / 1e9),

@@ -80,6 +80,11 @@ pub fn deformation(size: Size) -> u64 {
     size.times(FACTORIZED)
 }
 
+/// The same by an algorithm with matrices of its own, beside those of the certificate.
+pub fn deformation_for_comparison(size: Size) -> u64 {
+    size.times(2 * FACTORIZED)
+}
+
 /// Bytes of so many solutions of a deformer, which are kept, while they are sought.
 pub fn solutions(size: Size, count: usize) -> u64 {
     let kept = functions(3, size.0).saturating_mul(count as u64);

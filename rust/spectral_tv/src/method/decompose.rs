@@ -239,14 +239,7 @@ pub fn run_flow(
         operators.masses().len(),
         operators.gradient().triangles().len(),
     );
-    let is_iterated = scheme.is_iterated(solver, values.ncols(), values.nrows());
-    let needed = needs::flow(size, values.nrows(), times.len(), is_iterated);
-    let what = format!(
-        "a flow of {} steps on {} vertices",
-        times.len().saturating_sub(1),
-        values.ncols()
-    );
-    stage.require(needed, &what, "take fewer steps or vertices")?;
+    require_flow(size, scheme, values.dim(), times, solver, stage)?;
     match scheme {
         Scheme::SemiImplicit(weights) => {
             semi_implicit_flow(operators, law, weights, values, times, solver, stage)
@@ -256,6 +249,27 @@ pub fn run_flow(
         }
         Scheme::Exact { .. } => Err(no_exact_steps()),
     }
+}
+
+/// Has a flow of values (C, V) by [`run_flow`] granted its memory.
+///
+/// # Errors
+/// [`Error::Memory`].
+pub fn require_flow(
+    size: needs::Size,
+    scheme: Scheme,
+    (channels, vertices): (usize, usize),
+    times: &[f64],
+    solver: Solver,
+    stage: Stage,
+) -> Result<()> {
+    let steps = times.len().saturating_sub(1);
+    let is_iterated = scheme.is_iterated(solver, vertices, channels);
+    stage.require(
+        needs::flow(size, channels, steps, is_iterated),
+        &format!("a flow of {steps} steps on {vertices} vertices"),
+        "take fewer steps or vertices",
+    )
 }
 
 fn no_exact_steps() -> Error {
