@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import files
+from .formats import exportable, importable
 
 EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"
 
 
 def epilog(examples: str) -> str:
     """What a verb's help ends with."""
-    reads, writes = " ".join(files.importable()), " ".join(files.exportable())
+    reads, writes = " ".join(importable()), " ".join(exportable())
     return f"reads:  {reads}\nwrites: {writes}\n\nexamples:\n{examples}\n\n{EXIT_CODES}"
 
 
@@ -41,6 +41,17 @@ def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> No
         action="append",
         help=f"{verb} this object instead of all; repeatable. Formats other than .blend then hold "
         "nothing else",
+    )
+    add_report(parser)
+
+
+def add_report(parser: argparse.ArgumentParser) -> None:
+    """Declare where what became of every input is written."""
+    parser.add_argument(
+        "--report",
+        metavar="FILE",
+        type=_path,
+        help="add a line of JSON for every input to this file, such as report.jsonl",
     )
 
 
@@ -71,7 +82,7 @@ def outputs(choices: argparse.Namespace, source: Path) -> tuple[Path | None, Pat
 
 
 def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
-    writable = files.exportable()
+    writable = exportable()
     inputs = {source.resolve() for source in choices.inputs}
     taken: set[Path] = set()
     for source in choices.inputs:

@@ -15,8 +15,8 @@ from ..deformation.deform import message, prepare, write
 from ..deformation.empties import add_empty
 from ..scene.animation import travel
 from ..scene.objects import Refusal
-from . import files
 from .arguments import percent
+from .formats import BLEND
 from .places import group_of
 from .progress import progress, say
 from .verb import Task, Verb
@@ -120,7 +120,7 @@ the deformed shape, with --frames that of the current frame."""
         empties = _constrain(obj, choices) if choices.moves else []
         done = _deform(obj, task) if choices.frames is None else _bake(obj, choices.frames, task)
         say(f"{task.label}: {done}")
-        if task.file is None or task.file.suffix.lower() != files.BLEND:
+        if task.file is None or task.file.suffix.lower() != BLEND:
             bpy.data.batch_remove(empties)
 
 

@@ -170,7 +170,7 @@ def _put_all(folder: Path, place: Path) -> None:
     aside = folder.with_name(folder.name + "_former")
     aside.mkdir()
     put: list[tuple[Path, Path, Path]] = []
-    with _alone(place.parent):
+    with alone(place.parent):
         try:
             for number, path in enumerate(others):
                 goal = place.parent / path.relative_to(folder)
@@ -207,12 +207,12 @@ def _make_room(goal: Path, path: Path, place: Path) -> None:
 
 
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Wait until no other process puts files into the folder, where the system can tell."""
+def alone(path: Path) -> Iterator[None]:
+    """Wait until no other process is within this for the path, where the system can tell."""
     if fcntl is None:
         yield
         return
-    descriptor = os.open(folder, os.O_RDONLY)
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         with suppress(OSError):  # some file systems know no locks
             fcntl.flock(descriptor, fcntl.LOCK_EX)

@@ -14,7 +14,7 @@ def play_in_turn(
         for other in frames[max(index - 1, 0) : index + 2]:
             key.value = 1.0 if other == frame else 0.0
             key.keyframe_insert("value", frame=other)
-        _make_linear(_curves(obj.data.shape_keys).find(key.path_from_id("value")))
+        _make_linear(curves_of(obj.data.shape_keys).find(key.path_from_id("value")))
 
 
 def travel(obj: bpy.types.Object, places: Sequence[Vector], frames: Sequence[int]) -> None:
@@ -22,13 +22,13 @@ def travel(obj: bpy.types.Object, places: Sequence[Vector], frames: Sequence[int
     for place, frame in zip(places, frames, strict=True):
         obj.location = place
         obj.keyframe_insert("location", frame=frame)
-    for curve in _curves(obj):
+    for curve in curves_of(obj):
         _make_linear(curve)
 
 
 def remove_animation(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
     """Remove the animation of a key's value, if there is any."""
-    curves = _curves(obj.data.shape_keys)
+    curves = curves_of(obj.data.shape_keys)
     curve = curves.find(key.path_from_id("value")) if curves is not None else None
     if curve is not None:
         curves.remove(curve)
@@ -39,7 +39,7 @@ def _make_linear(curve: bpy.types.FCurve) -> None:
         point.interpolation = "LINEAR"
 
 
-def _curves(data: bpy.types.ID) -> bpy.types.bpy_prop_collection | None:
+def curves_of(data: bpy.types.ID) -> bpy.types.bpy_prop_collection | None:
     """The curves that animate ``data``."""
     animation = data.animation_data
     if animation is None or animation.action is None:
