@@ -4,7 +4,7 @@ import argparse
 
 import bpy
 
-from . import signals
+from . import signals, streams
 from .decompose import Decompose
 from .deform import Deform
 from .image import Filter
@@ -15,7 +15,7 @@ VERBS = (Decompose(), Deform(), Filter())
 
 def run(arguments: list[str]) -> int:
     """Do what the command line says and return the exit code: 0 only if all succeeded."""
-    with signals.streams_may_be_lost(), signals.heeded():
+    with streams.may_be_lost(), signals.heeded():
         try:
             return _run(arguments)
         except SystemExit as end:  # it would close Blender, and the code would be lost

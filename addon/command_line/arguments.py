@@ -59,10 +59,10 @@ def complaint(choices: argparse.Namespace) -> str | None:
     """What is wrong with the arguments together; None if nothing is."""
     if choices.output is None and choices.render is None:
         return "say where the result goes: -o, --render or both"
-    if choices.format is not None and not (choices.output and choices.output.is_dir()):
+    if choices.format is not None and not (choices.output and is_folder(choices.output)):
         return "--format goes with -o and a folder that exists"
     for name, place in (("-o", choices.output), ("--render", choices.render)):
-        if place is None or place.is_dir():
+        if place is None or is_folder(place):
             continue
         if len(choices.inputs) > 1:
             return f"several inputs need a folder that exists: {name} {place}"
@@ -74,9 +74,9 @@ def complaint(choices: argparse.Namespace) -> str | None:
 def outputs(choices: argparse.Namespace, source: Path) -> tuple[Path | None, Path | None]:
     """The file and the picture to write for an input."""
     file, picture = choices.output, choices.render
-    if file is not None and file.is_dir():
+    if file is not None and is_folder(file):
         file = file / f"{source.stem}{choices.format or source.suffix}"
-    if picture is not None and picture.is_dir():
+    if picture is not None and is_folder(picture):
         picture = picture / f"{source.stem}.png"
     return file, picture
 
@@ -89,7 +89,7 @@ def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
         file, picture = outputs(choices, source)
         # An input without a known suffix has its own message.
         if file is not None and file.suffix.lower() not in writable:
-            if choices.output.is_dir() and choices.format is None:
+            if is_folder(choices.output) and choices.format is None:
                 file = None
             else:
                 return f"this Blender writes no {file.suffix or 'files without suffix'}: {file}"
@@ -103,6 +103,14 @@ def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
                 return f"{target} is an input; name it with -o, or choose another folder"
             taken.add(place)
     return None
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder of that name, whatever the name."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):  # a name that is too long
+        return False
 
 
 def whole(least: int, most: int) -> Callable[[str], int]:

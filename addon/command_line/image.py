@@ -6,7 +6,6 @@ from pathlib import Path
 import bpy
 import spectral_tv
 
-from ..files.whole import written
 from ..images import pixels
 from ..images.bands import Choice, prepare, write
 from ..images.properties import METRICS
@@ -16,6 +15,7 @@ from .decompose import add_gains, band_values, complaint_of_gains
 from .progress import progress, say
 from .report import Entry
 from .verb import Command
+from .writing import written_by_blender
 
 # What Blender calls the formats it writes, by suffix.
 FORMATS = {
@@ -130,7 +130,7 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
         target = _target(choices, source)
         result = bpy.data.images[name]
         result.file_format = FORMATS[target.suffix.lower()]
-        with written(target) as path:
+        with written_by_blender(target) as path:
             result.save(filepath=str(path))
         entry.output = str(target)
         say(f"{source}: wrote {target}")

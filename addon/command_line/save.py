@@ -12,20 +12,18 @@ import bpy
 from ..files.checks import check
 from ..files.checks.torn import require
 from ..files.room import with_room
-from ..files.whole import NotWritten, written
 from ..scene.animation import curves_of
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from . import digits
 from .contents import armatures, is_animated
 from .dress import dress_of
-from .errors import reason
 from .formats import BLEND, FORMATS, call
 from .load import LONGEST_PATH, OFFSET, Source
 from .losses import tell_losses
 from .shown import Kept, dressed, shown
-from .signals import heed
 from .textures import beside, folder_name
+from .writing import written_by_blender
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
 # How many bytes an Alembic file takes at most for a vertex, a corner, and for all else.
@@ -38,17 +36,9 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
     A .blend always holds everything. What was read from ``source`` and is not in the file is
     noted. Raises NotWritten or Refusal if it cannot be written.
     """
-    try:
-        _save(path, only, source)
-    except RuntimeError as error:
-        heed()
-        raise NotWritten(path, reason(error)) from error
-
-
-def _save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) -> None:
     suffix = path.suffix.lower()
     if suffix == BLEND:
-        with written(path) as place:
+        with written_by_blender(path) as place:
             _write_blend(place, source)
         return
     with _exported(only) as objects:
@@ -58,7 +48,7 @@ def _save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) -
         options = {**form.options, form.selection: only is not None}
         if _is_alike(suffix, source.suffix):
             options |= source.options
-        with written(path, with_others=form.others) as place:
+        with written_by_blender(path, with_others=form.others) as place:
             _ensure_short(place)
             _export(place, _Export(path, suffix, objects, source, options))
 
