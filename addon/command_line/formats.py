@@ -52,7 +52,7 @@ TABLE = """\
 | parents | yes | yes | yes | yes | yes | yes | – | – | – |
 | collections | yes | – | – | – | – | – | – | – | – |
 | quads, n-gons | yes | – | yes | yes | yes | yes | yes | yes | – |
-| loose edges, points | yes | yes | yes | points | points | – | yes | yes | – |
+| loose edges, points | yes | yes | yes | points | points | – | edges | yes | – |
 | cameras | yes | yes | yes | yes | yes | yes | – | – | – |
 | lights | yes | yes | yes | yes | – | yes | – | – | – |
 | curves, texts | yes | meshes | meshes | yes | curves | – | meshes | meshes | meshes |
@@ -108,6 +108,7 @@ _GLTF: Mapping[str, Any] = {
     "importers": ("import_scene.gltf",),
     "exporters": ("export_scene.gltf",),
     "selection": "use_selection",
+    "reading": {"disable_bone_shape": True},
     "keys": True,
     "attributes": ("POINT", "CORNER", "FACE"),
 }
@@ -126,7 +127,7 @@ _USD = Format(
     ("wm.usd_import",),
     ("wm.usd_export",),
     "selected_objects_only",
-    {"evaluation_mode": "VIEWPORT", "export_animation": True, "export_shapekeys": True},
+    {"evaluation_mode": "VIEWPORT", "export_subdivision": "TESSELLATE"},
     attributes=("POINT", "CORNER", "FACE"),
     others=True,
 )
@@ -170,7 +171,11 @@ FORMATS = {
         ("wm.alembic_import",),
         ("wm.alembic_export",),
         "selected",
-        {"evaluation_mode": "VIEWPORT", "face_sets": True, "vcolors": True},
+        {
+            "apply_subdiv": True,
+            "evaluation_mode": "VIEWPORT",
+            "vcolors": True,
+        },
     ),
     ".dae": Format(
         ("wm.collada_import",),

@@ -11,8 +11,8 @@ from .formats import APPLIED, BLEND, FORMATS, HOLDS, KINDS, NO, ONE
 NAMED = ("colours", "uvs", "attributes", "groups", "keys", "armatures", "others", "curves")
 
 
-def tell_losses(things: Sequence[Thing], suffix: str) -> None:
-    """Note what a file of this suffix does not keep of these."""
+def tell_losses(things: Sequence[Thing], suffix: str, source: str) -> None:
+    """Note what a file of this suffix does not keep of these, which are of one of another."""
     if suffix == BLEND:
         return
     a = f"an {suffix}" if suffix[1] in "ao" else f"a {suffix}"
@@ -27,6 +27,8 @@ def tell_losses(things: Sequence[Thing], suffix: str) -> None:
         elif word == ONE:
             _tell_one(there, a, text)
         elif (kind, word) in PARTS:
+            if word == HOLDS[source][kind] != NO:  # nothing was there to be lost
+                continue
             told = PARTS[kind, word](there, suffix)
             if told:
                 note(f"{a} holds {told}")
@@ -59,6 +61,10 @@ def _objects(things: Sequence[Thing], _suffix: str) -> str | None:
     return f"one object: {len(things)} were joined" if len(things) > 1 else None
 
 
+def _object_names(things: Sequence[Thing], _suffix: str) -> str | None:
+    return f"no object names: {_names(things)}" if len(things) > 1 else None
+
+
 def _polygons(things: Sequence[Thing], _suffix: str) -> str | None:
     return f"triangles alone: {_total(things)} larger polygons were split"
 
@@ -77,13 +83,26 @@ def _normals(_things: Sequence[Thing], _suffix: str) -> str | None:
 
 
 def _attributes(things: Sequence[Thing], suffix: str) -> str | None:
-    left = [thing for thing in things if thing.detail not in FORMATS[suffix].attributes]
-    return f"no such custom attributes: {_names(left)} is left out" if left else None
+    domains = FORMATS[suffix].attributes
+    what = (
+        "custom attributes of vertices alone"
+        if len(domains) == 1
+        else "no custom attributes of edges"
+    )
+    left = [thing for thing in things if thing.detail not in domains]
+    return f"{what}; left out: {_names(left)}" if left else None
 
 
-def _loose(things: Sequence[Thing], _suffix: str) -> str | None:
+def _edges(things: Sequence[Thing], _suffix: str) -> str | None:
     edges = [thing for thing in things if thing.name == "edges"]
     return f"no loose edges: {_total(edges)} were left out" if edges else None
+
+
+def _points(things: Sequence[Thing], _suffix: str) -> str | None:
+    points = [thing for thing in things if thing.name == "points"]
+    return (
+        f"loose points as vertices of nothing: {_total(points)} may not be read" if points else None
+    )
 
 
 def _animation(things: Sequence[Thing], _suffix: str) -> str | None:
@@ -111,7 +130,9 @@ PARTS: dict[tuple[str, str], Callable[[Sequence[Thing], str], str | None]] = {
     ("normals", "per vertex"): _normals,
     ("attributes", "not of edges"): _attributes,
     ("attributes", "of vertices"): _attributes,
-    ("loose", "points"): _loose,
+    ("loose", "points"): _edges,
+    ("loose", "edges"): _points,
+    ("names", NO): _object_names,
     ("animation", "not of shapes"): _animation,
     ("curves", "meshes"): _curves,
     ("curves", "curves"): _texts,

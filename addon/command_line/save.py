@@ -43,7 +43,8 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
         return
     with _exported(only) as objects:
         names = {obj.name for obj in objects}
-        tell_losses([thing for thing in source.things if thing.owner in names], suffix)
+        things = [thing for thing in source.things if thing.owner in names]
+        tell_losses(things, suffix, source.suffix)
         form = FORMATS[suffix]
         options = {**form.options, form.selection: only is not None}
         if _is_alike(suffix, source.suffix):
@@ -79,11 +80,11 @@ def _exported(only: Sequence[bpy.types.Object] | None) -> Iterator[list[bpy.type
     layer.update()
     wanted = [obj for obj in layer.objects if obj.visible_get()] if only is None else list(only)
     if only is None:
-        hidden = [obj.name for obj in layer.objects if not obj.visible_get()]
+        rigs = {item.object for obj in wanted for item in armatures(obj)}
+        wanted += [obj for obj in layer.objects if obj in rigs and obj not in wanted]
+        hidden = [obj.name for obj in layer.objects if obj not in wanted]
         if hidden:
             note(f"hidden, and so not in the file: {listed(hidden)}")
-        rigs = {item.object for obj in wanted for item in armatures(obj)} - set(wanted)
-        wanted += [rig for rig in rigs if rig.name in layer.objects]
     before = [(obj, obj.hide_get(), obj.hide_viewport, obj.select_get()) for obj in layer.objects]
     try:
         for obj in layer.objects:
@@ -189,6 +190,9 @@ def _export_abc(place: Path, export: _Export) -> None:
     if not _moves():  # otherwise a copy of the shape for every frame
         frames = scene.frame_current, scene.frame_current
     export.options["start"], export.options["end"] = frames
+    # Without materials it would write one of its own.
+    has_materials = any(slot.material for obj in export.meshes for slot in obj.material_slots)
+    export.options["face_sets"] = has_materials
     graph = bpy.context.evaluated_depsgraph_get()
     most = ABC_REST
     for obj in export.meshes:
@@ -261,10 +265,30 @@ def _export_usd(place: Path, export: _Export) -> None:
     first = place if is_archive else place.parent.with_suffix(export.suffix)
     export.options["export_textures_mode"] = "NEW" if is_archive else "KEEP"
     textures = nullcontext() if is_archive else _beside(place, export)
-    with _shown(export, laid_out, is_kept), textures, _frames_that_move():
+    with _parented(export), _shown(export, laid_out, is_kept), textures, _frames_that_move():
         export.call(first)
     if first != place:
         os.replace(first, place)
+
+
+@contextmanager
+def _parented(export: _Export) -> Iterator[None]:
+    """Have meshes be children of the armatures that move them.
+
+    Blender's importer takes others to be where the armature's own space begins.
+    """
+    loose = [(obj, armatures(obj)[0].object) for obj in export.meshes if armatures(obj)]
+    loose = [(obj, rig) for obj, rig in loose if obj.parent is None and rig in export.objects]
+    before = [obj.matrix_parent_inverse.copy() for obj, _ in loose]
+    try:
+        for obj, rig in loose:
+            obj.parent = rig
+            obj.matrix_parent_inverse = rig.matrix_world.inverted_safe()
+        yield
+    finally:
+        for (obj, _), inverse in zip(loose, before, strict=True):
+            obj.parent = None
+            obj.matrix_parent_inverse = inverse
 
 
 def _beside(place: Path, export: _Export) -> AbstractContextManager[None]:

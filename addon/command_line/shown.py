@@ -14,7 +14,7 @@ import numpy as np
 
 from ..scene.animation import curves_of
 from ..scene.coordinates import coordinates
-from ..scene.notes import note
+from ..scene.notes import listed, note
 from ..scene.shape_keys import SLIDER_RANGE
 from .contents import armatures
 
@@ -50,6 +50,9 @@ def shown(
     copies that the format asks for.
     """
     rigged = {item for obj in objects for item in armatures(obj) if item.object in rigs}
+    posed = [obj.name for obj in objects if any(item not in rigged for item in armatures(obj))]
+    if posed:
+        note(f"posed for good, as their armatures are not in the file: {listed(posed)}")
     applied = [item for obj in objects for item in obj.modifiers if item not in rigged]
     copies: dict[tuple, bpy.types.Mesh] = {}
     try:
@@ -149,6 +152,7 @@ def _shape(obj: bpy.types.Object, kept: Kept, has_modifiers: bool) -> Shape | No
     seen = _seen(obj)
     values = _values(obj, graph)
     wanted = [key.name for key in keys.key_blocks[1:] if kept(obj, key)]
+    _tell(obj, wanted)
     base, moves = _moves(obj, wanted, values)
     size = float(np.linalg.norm(np.ptp(seen, axis=0))) if len(seen) else 0.0
     if all(shape.shape == seen.shape for shape in (base, *moves.values())):
@@ -163,6 +167,16 @@ def _shape(obj: bpy.types.Object, kept: Kept, has_modifiers: bool) -> Shape | No
             "each of them through by itself"
         )
     return None
+
+
+def _tell(obj: bpy.types.Object, wanted: Sequence[str]) -> None:
+    """Note which keys are in the file in another way than by their values."""
+    keys = [obj.data.shape_keys.key_blocks[name] for name in wanted]
+    if obj.show_only_shape_key and wanted:
+        pinned = obj.active_shape_key.name
+        note(f"{obj.name}: {pinned} is shown alone, so the other shape keys are 0 in the file")
+    elif muted := [key.name for key in keys if key.mute]:
+        note(f"{obj.name}: muted shape keys are 0 in the file: {listed(muted)}")
 
 
 def _values(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> dict[str, float]:
