@@ -42,9 +42,10 @@ class Digits:
         """Whether Blender holds coordinates relative to another point than 0."""
         return bool(self.offset.any())
 
-    def __str__(self) -> str:
-        """The offset as the user reads it."""
-        return "({:.12g}, {:.12g}, {:.12g})".format(*self.offset)
+    def told(self, suffix: str) -> str:
+        """The offset in the axes of files of a suffix, as the user reads it."""
+        turned = OBJ_AXES @ self.offset if suffix == ".obj" else self.offset
+        return "({:.12g}, {:.12g}, {:.12g})".format(*(turned + 0.0))
 
 
 PLAIN = Digits(np.zeros(3))
@@ -63,11 +64,10 @@ def of_file(path: Path) -> Digits:
 
 
 def is_text_stl(path: Path) -> bool:
-    """Whether an STL file is one of text, by its length like Blender."""
+    """Whether an STL file is one of text; there are binary ones that begin like it."""
     with path.open("rb") as file:
-        head = file.read(84)
-    triangles = int.from_bytes(head[80:], "little")
-    return head.lstrip().startswith(b"solid") and path.stat().st_size != 84 + 50 * triangles
+        head = file.read(1024)
+    return head.lstrip().startswith(b"solid") and (b"facet" in head or b"endsolid" in head)
 
 
 def _of_ply(path: Path) -> Digits:
@@ -155,8 +155,21 @@ def _move_text(
     with path.open("rb") as source, target.open("wb") as file:
         for line in source:
             parts = line.split(None, 4)
-            is_point = len(parts) > 3 and parts[0] == word
-            file.write(ply.moved(line, (1, 2, 3), offset, decimals) if is_point else line)
+            if len(parts) > 3 and parts[0] == word:
+                file.write(ply.moved(line, (1, 2, 3), offset, decimals))
+            elif len(parts) > 1 and parts[0] == b"mtllib":
+                file.write(_library(line, path.parent.resolve(), target.parent))
+            else:
+                file.write(line)
+
+
+def _library(line: bytes, folder: Path, other: Path) -> bytes:
+    """The line of an OBJ file that names its materials, as seen from another folder."""
+    name = os.fsdecode(line.split(None, 1)[1].strip())
+    try:
+        return b"mtllib " + os.fsencode(os.path.relpath(folder / name, other)) + b"\n"
+    except ValueError:  # on another drive of Windows
+        return line
 
 
 def decimals_of(points: np.ndarray) -> int:

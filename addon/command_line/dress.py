@@ -53,7 +53,7 @@ def _for_ply(mesh: bpy.types.Mesh) -> None:
     (layer,) = layers
     values = _on_vertices(mesh, _colors(layer), layer)
     levels = np.round(255 * np.column_stack([_to_srgb(values[:, :3]), values[:, 3]]))
-    shifted = np.clip((levels + 0.25) / 255, 0, 1)
+    shifted = (levels + 0.25) / 255
     values = np.column_stack([_to_linear(shifted[:, :3]), shifted[:, 3]])
     _replace(mesh, layer.name, "FLOAT_COLOR", "POINT", values)
 

@@ -187,6 +187,11 @@ FORMATS = {
 }
 
 
+def a(suffix: str) -> str:
+    """A file of this suffix, with its article."""
+    return f"an {suffix}" if suffix[1] in "ao" else f"a {suffix}"
+
+
 def importable() -> list[str]:
     """Suffixes of the formats that this Blender reads."""
     return [BLEND, *(suffix for suffix, form in FORMATS.items() if form.importer)]

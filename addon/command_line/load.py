@@ -185,7 +185,8 @@ def _mended(path: Path, read: Digits) -> Iterator[Path]:
                 shutil.copyfileobj(file, copy)
                 copy.truncate(path.stat().st_size - spare)
         else:
-            note(f"its coordinates are far from 0, so it was worked on relative to {read}")
+            point = read.told(path.suffix.lower())
+            note(f"its coordinates are far from 0, so it was worked on relative to {point}")
             digits.centred(path, read, place)
         yield place
 

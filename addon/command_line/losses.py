@@ -5,7 +5,7 @@ from itertools import groupby
 
 from ..scene.notes import listed, note
 from .contents import Thing
-from .formats import APPLIED, BLEND, FORMATS, HOLDS, KINDS, NO, ONE
+from .formats import APPLIED, BLEND, FORMATS, HOLDS, KINDS, NO, ONE, a
 
 # Kinds of which users want to know which ones.
 NAMED = ("colours", "uvs", "attributes", "groups", "keys", "armatures", "others", "curves")
@@ -15,7 +15,6 @@ def tell_losses(things: Sequence[Thing], suffix: str, source: str) -> None:
     """Note what a file of this suffix does not keep of these, which are of one of another."""
     if suffix == BLEND:
         return
-    a = f"an {suffix}" if suffix[1] in "ao" else f"a {suffix}"
     lost, applied = [], []
     for kind, text in KINDS.items():
         there = [thing for thing in things if thing.kind == kind]
@@ -25,28 +24,29 @@ def tell_losses(things: Sequence[Thing], suffix: str, source: str) -> None:
         if word == APPLIED:
             applied.append(f"{text} ({_names(there)})")
         elif word == ONE:
-            _tell_one(there, a, text)
+            _tell_one(there, suffix, text)
         elif (kind, word) in PARTS:
             if word == HOLDS[source][kind] != NO:  # nothing was there to be lost
                 continue
             told = PARTS[kind, word](there, suffix)
             if told:
-                note(f"{a} holds {told}")
+                note(f"{a(suffix)} holds {told}")
         elif word == NO:
             lost.append(f"{text} ({_names(there)})" if kind in NAMED else text)
     if lost:
-        note(f"left out, as {a} does not hold them: {', '.join(lost)}")
+        note(f"left out, as {a(suffix)} does not hold them: {', '.join(lost)}")
     if applied:
-        note(f"applied, as {a} does not keep them apart: {', '.join(applied)}")
+        note(f"applied, as {a(suffix)} does not keep them apart: {', '.join(applied)}")
 
 
-def _tell_one(things: Sequence[Thing], a: str, text: str) -> None:
+def _tell_one(things: Sequence[Thing], suffix: str, text: str) -> None:
     """Note which layers of objects that have several are left out; the first is kept."""
     for owner, layers in groupby(things, key=lambda thing: thing.owner):
         first, *rest = layers
         if rest:
             left = _names(rest)
-            note(f"{owner}: {a} holds one of its {text}: {first.name} stays, {left} is left out")
+            kept = f"{first.name} stays; left out: {left}"
+            note(f"{owner}: {a(suffix)} holds one of its {text}: {kept}")
 
 
 def _names(things: Sequence[Thing]) -> str:

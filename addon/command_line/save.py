@@ -18,7 +18,7 @@ from ..scene.objects import Refusal
 from . import digits
 from .contents import armatures, is_animated
 from .dress import dress_of
-from .formats import BLEND, FORMATS, call
+from .formats import BLEND, FORMATS, a, call
 from .load import LONGEST_PATH, OFFSET, Source
 from .losses import tell_losses
 from .shown import Kept, dressed, shown
@@ -45,6 +45,9 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
         names = {obj.name for obj in objects}
         things = [thing for thing in source.things if thing.owner in names]
         tell_losses(things, suffix, source.suffix)
+        read = source.digits
+        if read.is_moved and not _holds_offset(suffix, source):
+            note(f"{a(suffix)} stays relative to {read.told(source.suffix)}")
         form = FORMATS[suffix]
         options = {**form.options, form.selection: only is not None}
         if _is_alike(suffix, source.suffix):
@@ -52,6 +55,16 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
         with written_by_blender(path, with_others=form.others) as place:
             _ensure_short(place)
             _export(place, _Export(path, suffix, objects, source, options))
+
+
+def _holds_offset(suffix: str, source: Source) -> bool:
+    """Whether coordinates are written relative to 0, with all their digits."""
+    return suffix in (".ply", ".obj") or (suffix == ".stl" and _is_text(suffix, source))
+
+
+def _is_text(suffix: str, source: Source) -> bool:
+    """Whether a .ply or .stl is to be one of text, as the input is."""
+    return source.suffix == suffix and source.digits.is_text
 
 
 def _is_alike(suffix: str, other: str) -> bool:
@@ -232,7 +245,7 @@ def _export_ply(place: Path, export: _Export) -> None:
         obj.data.has_custom_normals for obj in export.meshes
     )
     comments = source.comments if source.suffix == ".ply" else ()
-    export.options["ascii_format"] = source.suffix == ".ply" and source.digits.is_text
+    export.options["ascii_format"] = _is_text(".ply", source)
     with export.dressed():
         export.call(place)
     check(place)
@@ -241,7 +254,7 @@ def _export_ply(place: Path, export: _Export) -> None:
 
 def _export_stl(place: Path, export: _Export) -> None:
     source = export.source
-    export.options["ascii_format"] = source.suffix == ".stl" and source.digits.is_text
+    export.options["ascii_format"] = _is_text(".stl", source)
     export.call(place)
     check(place)
     if source.digits.is_moved and export.options["ascii_format"]:
