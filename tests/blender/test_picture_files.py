@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import bpy
 import numpy as np
 import pictures
 import pytest
@@ -16,6 +17,8 @@ FILES = [
     (".exr", "half"), (".exr", "float"),
     (".jpg", "8"), (".webp", "8"), (".bmp", "8"), (".tga", "8"),
 ]  # fmt: skip
+# Channels that Pillow does not write.
+LACKING = {".jpg": (2, 4), ".webp": (2,), ".bmp": (2,), ".tga": (2,)}
 # Of floats a step is relative.
 STEP = {"8": 1 / 255, "16": 1 / 65535, "half": 2.0**-10, "float": 2.0**-23}
 # What single precision makes of values that are converted to another colour space, relatively.
@@ -63,8 +66,7 @@ def converted(pixels: np.ndarray, target: Path, depth: str, source: Path) -> np.
 @pytest.mark.parametrize(("suffix", "depth"), FILES)
 def test_an_all_pass_gives_every_format_back_in_every_format(suffix, depth, channels, tmp_path):
     """To half a step of the depth that is written."""
-    lacking = {".jpg": (2, 4), ".webp": (2,), ".bmp": (2,), ".tga": (2,)}
-    if channels in lacking.get(suffix, ()):
+    if channels in LACKING.get(suffix, ()):
         pytest.skip("the format has no such channels")
     associated = suffix == ".exr"
     pixels = pictures.values(channels, depth, associated)
@@ -128,3 +130,90 @@ def test_depth_and_channels_are_those_of_the_input(
     assert keep(source, tmp_path / f"out{goal}") == 0
     found = pictures.read(tmp_path / f"out{goal}")
     assert (found.dtype.type, found.shape[2]) == expected
+
+
+def spaces() -> list[str]:
+    settings = bpy.types.ColorManagedInputColorspaceSettings.bl_rna.properties["name"]
+    return [item.identifier for item in settings.enum_items]
+
+
+@pytest.mark.parametrize("space", spaces())
+def test_in_every_color_space_an_all_pass_gives_the_values_back(space, tmp_path, capfd):
+    """To the last bit where the format stays, and it is told where Blender would see others."""
+    for suffix, depth in ((".png", "16"), (".tif", "float"), (".exr", "float"), (".exr", "half")):
+        pixels = pictures.values(4, depth, suffix == ".exr")
+        source = pictures.write(tmp_path / f"in{suffix}", pixels, suffix == ".exr")
+        target = tmp_path / f"out{suffix}"
+        assert keep(source, target, "--colorspace", space.lower()) == 0
+        np.testing.assert_array_equal(pictures.read(target), pixels)
+        image = bpy.data.images.load(str(target))
+        assumed = image.colorspace_settings.name
+        bpy.data.images.remove(image)
+        real = "Linear Rec.709" if space == "scene_linear" else space
+        told = f"its colors are in {real}, but Blender will open it as {assumed}:"
+        assert (told in capfd.readouterr().err) == (real != assumed)
+
+
+@pytest.mark.parametrize("space", [None, "sRGB", "Linear Rec.709", "ACEScg", "Non-Color"])
+def test_what_is_converted_looks_the_same_in_blender(space, tmp_path):
+    """From 16 bits to OpenEXR and back: the first as seen in that space, the second as in sRGB."""
+    options = [] if space is None else ["--colorspace", space]
+    pixels = np.rint(65535 * np.random.default_rng(0).uniform(0.2, 0.5, (8, 9, 3)))
+    source = pictures.write(tmp_path / "in.png", pixels.astype(np.uint16))
+    assert keep(source, tmp_path / "out.exr", *options) == 0
+    seen = seen_in_blender(source, space)
+    np.testing.assert_allclose(seen_in_blender(tmp_path / "out.exr", space), seen, atol=3e-5)
+    if space != "Non-Color":
+        assert keep(tmp_path / "out.exr", tmp_path / "back.png") == 0
+        back = pictures.read(tmp_path / "back.png").astype(int)
+        if space in (None, "sRGB"):
+            assert np.abs(back - pixels).max() <= 1
+
+
+def seen_in_blender(path: Path, space: str | None) -> np.ndarray:
+    """Scene-linear colours of a file, in a space; OpenEXR tells its own unless it is not known."""
+    image = bpy.data.images.load(str(path))
+    if space is not None and (path.suffix != ".exr" or space in ("ACEScg", "Non-Color")):
+        image.colorspace_settings.name = space
+    flat = np.empty(len(image.pixels), dtype=np.float32)
+    image.pixels.foreach_get(flat)
+    found = flat.reshape(image.size[1], image.size[0], 4)[..., :3]
+    bpy.data.images.remove(image)
+    return found
+
+
+def test_blender_itself_gives_all_formats_back(blender, tmp_path):
+    """In one run: to the last bit where nothing is lost; what goes to OpenEXR and comes back too."""
+    folders = {name: tmp_path / name for name in ("in", "out", "linear", "back")}
+    for folder in folders.values():
+        folder.mkdir()
+    sources = {}
+    for suffix, depth in FILES:
+        for channels in pictures.MODES:
+            if suffix == ".jpg" or channels in LACKING.get(suffix, ()):
+                continue
+            if (suffix, channels) == (".bmp", 4):  # which Blender 4 does not write
+                continue
+            pixels = pictures.values(channels, depth, suffix == ".exr")
+            path = folders["in"] / f"{suffix[1:]}_{depth}_{channels}{suffix}"
+            sources[pictures.write(path, pixels, suffix == ".exr")] = pixels
+    verb = ["--command", "spectral_tv", "image"]
+    blender(*verb, *map(str, sources), "-o", str(folders["out"]), *KEEP)
+    for source, pixels in sources.items():
+        found = pictures.read(folders["out"] / source.name)
+        got, expected = pictures.fractions(found), pictures.fractions(pixels)
+        if source.suffix == ".webp":
+            got, expected = got[expected[..., 3] > 0], expected[expected[..., 3] > 0]
+        assert found.dtype == pixels.dtype
+        np.testing.assert_array_equal(got, expected, source.name)
+    deep = [str(source) for source in sources if source.name.startswith("png_16")]
+    blender(*verb, *deep, "-o", str(folders["linear"]), "--format", "exr", *KEEP)
+    there = [str(path) for path in folders["linear"].iterdir()]
+    blender(*verb, *there, "-o", str(folders["back"]), "--format", "png", *KEEP)
+    for path in folders["back"].iterdir():
+        expected = pictures.fractions(sources[folders["in"] / path.name])
+        expected[expected[..., 3] == 0, :3] = 0  # as colours are multiplied by alpha
+        np.testing.assert_allclose(
+            pictures.fractions(pictures.read(path)), expected, atol=0.501 / 65535
+        )
+    assert len(list(folders["back"].iterdir())) == 4
