@@ -84,7 +84,7 @@ def write(
     of the last time replaced.
     """
     most = int(np.argmax(result.steps))
-    errors = {label: getattr(result, name)[most][surface.place] for label, name, _ in ERRORS}
+    errors = {label: surface.to_vertices(getattr(result, name)[most]) for label, name, _ in ERRORS}
     scalars = Source("ATTRIBUTE", method, np.zeros((len(surface.place), 1)))
     columns = {label: values[:, np.newaxis] for label, values in errors.items()}
     names = write_outputs(obj, scalars, columns)

@@ -9,6 +9,7 @@ import numpy as np
 import spectral_tv
 
 from ..filters.filtering import filter_values
+from ..scene import mix
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .outputs import BAND, REST
@@ -58,11 +59,11 @@ def prepare(obj: bpy.types.Object, choice: Choice, is_even: bool = False) -> Pre
         raise Refusal(f"{choice.bands} bands need more than {choice.steps} steps")
     if choice.result == "FILTER":
         filter_values(choice)  # refused now rather than after the work
-    source, surface = read(obj, choice.kind, choice.source), Surface.read(obj)
+    source = read(obj, choice.kind, choice.source)
+    surface = _surface(obj, source)
     values = source.values
-    if source.kind == "KEY":  # as lengths on the surface, which is in world scale
-        values = values @ surface.matrix.T
-    values = surface.merge(values)
+    # Displacements count as lengths on the surface, which is in world scale.
+    values = surface.merge_vectors(values) if source.kind == "KEY" else surface.merge(values)
     contrast = float(np.linalg.norm(np.ptp(values, axis=0)))
     if contrast <= 1e-6 * np.abs(values).max():
         raise Refusal(f"{source.name!r} is the same everywhere; there is nothing to flow")
@@ -101,7 +102,14 @@ def results(prepared: Prepared, choice: Choice, flow: spectral_tv.Flow) -> dict[
     surface = prepared.surface
     if prepared.source.kind == "KEY":
         return {label: surface.to_object(each[np.newaxis])[0] for label, each in found.items()}
-    return {label: each[surface.place] for label, each in found.items()}
+    return {label: surface.to_vertices(each) for label, each in found.items()}
+
+
+def _surface(obj: bpy.types.Object, source: Source) -> Surface:
+    """What is seen of ``obj``; without the key that is flowed, as it moves from there."""
+    is_key = source.kind == "KEY"
+    aside = [obj.data.shape_keys.key_blocks[source.name]] if is_key else []
+    return Surface.read(obj, mix.shown(obj, aside))
 
 
 def _time(law: str, length: float, contrast: float) -> float:

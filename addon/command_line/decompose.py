@@ -8,9 +8,20 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..decomposition.bands import add_bands, prepare, set_values
-from ..decomposition.settings import COMPARISONS, METHODS, METRICS, WITH_BASE, Settings
+from ..decomposition.bands import add_bands, prepare_together, set_values
+from ..decomposition.settings import (
+    COMPARISONS,
+    METHODS,
+    METRICS,
+    SHAPES,
+    WELD,
+    WITH_BASE,
+    Settings,
+)
+from ..decomposition.shapes import groups
 from ..filters.gains import curve_values
+from ..scene import applied
+from ..scene.notes import note
 from ..scene.shape_keys import SLIDER_RANGE
 from .arguments import number, percent, whole
 from .progress import progress
@@ -106,6 +117,32 @@ All other formats hold the filtered shape."""
             default="",
             help="limits where the bands have an effect",
         )
+        add(
+            "--shape",
+            type=str.lower,
+            choices=[name.lower() for name, _, _ in SHAPES],
+            default="shown",
+            help="which shape is split: as shape keys show it (default), without them, or as "
+            "modifiers show it, which are applied",
+        )
+        add(
+            "--weld",
+            metavar="PERCENT",
+            type=lambda text: percent(text, 0),
+            default=WELD,
+            help="corners of open edges this near to one another are one, in percent of the "
+            f"object's size; default {WELD:g}",
+        )
+        add(
+            "--leave-out",
+            action="store_true",
+            help="leave faces out whose vertices have no finite place; otherwise they are refused",
+        )
+        add(
+            "--apart",
+            action="store_true",
+            help="split every object by itself, even where the open edges of several meet",
+        )
         add_gains(parser)
 
     def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
@@ -123,14 +160,33 @@ All other formats hold the filtered shape."""
             return "--base-amount goes with the smoothed base, --base flow"
         return complaint_of_gains(choices, asked.band_count, asked.least_steps)
 
-    def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
-        """Give ``obj`` its bands."""
+    def groups(
+        self, objects: list[bpy.types.Object], choices: argparse.Namespace
+    ) -> list[list[bpy.types.Object]]:
+        """The objects, those together whose open edges meet."""
+        if choices.apart:
+            return super().groups(objects, choices)
+        found = groups(objects, settings(choices))
+        for group in found:
+            if len(group) > 1:
+                names = ", ".join(obj.name for obj in group)
+                note(f"{names} are split as one, as their open edges meet; --apart splits each")
+        return found
+
+    def treat(
+        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
+    ) -> None:
+        """Give objects their bands."""
         asked = settings(choices)
-        surface, arguments = prepare(obj, asked)
+        if asked.shape == "APPLIED":
+            for obj in objects:
+                applied.apply(obj)
+        surfaces, arguments = prepare_together(objects, asked)
         with progress(task.label) as show:
-            split = spectral_tv.decompose(surface.mesh, **arguments, progress=show)
-        add_bands(obj, asked, surface, arguments, split)
-        set_values(obj, band_values(choices, asked.band_count))
+            split = spectral_tv.decompose(surfaces[0].mesh, **arguments, progress=show)
+        for obj, surface in zip(objects, surfaces, strict=True):
+            add_bands(obj, asked, surface, arguments, split)
+            set_values(obj, band_values(choices, asked.band_count))
 
 
 def add_gains(parser: argparse.ArgumentParser) -> None:
@@ -181,6 +237,9 @@ def settings(choices: argparse.Namespace) -> Settings:
         base_key=base if is_key else "",
         metric=(choices.metric or "surface").upper(),
         vertex_group=choices.vertex_group,
+        shape=choices.shape.upper(),
+        weld=choices.weld,
+        leaves_out=choices.leave_out,
     )
 
 

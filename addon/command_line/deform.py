@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
@@ -106,8 +107,11 @@ the deformed shape, with --frames that of the current frame."""
             raise Refusal("no object in it has constraints; give some with --pin and --move")
         return held
 
-    def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
-        """Give ``obj`` the shape keys of its deformation."""
+    def treat(
+        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
+    ) -> None:
+        """Give an object the shape keys of its deformation."""
+        (obj,) = objects
         deformation = deformation_of(obj)
         if choices.algorithm is not None:
             deformation.algorithm = choices.algorithm.upper()

@@ -1,6 +1,7 @@
 """What all verbs do: read a file, treat its objects, write and picture them, one by one."""
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,7 +75,7 @@ class Command:
 
 
 class Verb(Command):
-    """One about meshes: says what it takes, and what it does to one object."""
+    """One about meshes: says what it takes, and what it does to objects."""
 
     # What objects are called that were treated.
     result: str
@@ -91,9 +92,17 @@ class Verb(Command):
         """What is wrong with the arguments together; None if nothing is."""
         return complaint(choices) or self.complaint_of_own(choices)
 
-    def treat(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
-        """Do it; raises Refusal or spectral_tv.MeshError, whose messages need not name ``obj``."""
+    def treat(
+        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
+    ) -> None:
+        """Do it to one of `groups`; raises Refusal or spectral_tv.MeshError."""
         raise NotImplementedError
+
+    def groups(
+        self, objects: list[bpy.types.Object], _choices: argparse.Namespace
+    ) -> list[list[bpy.types.Object]]:
+        """The objects, those together that are treated as one."""
+        return [[obj] for obj in objects]
 
     def choose(self, _choices: argparse.Namespace) -> list[bpy.types.Object]:
         """The objects to treat where none is named; raises Refusal if there are none."""
@@ -120,11 +129,14 @@ class Verb(Command):
         files.load(source.absolute())
         objects = _named(choices.objects) if choices.objects else self.choose(choices)
         file, shot = outputs(choices, source)
-        treated = set()
-        for obj in objects:
-            if obj.data not in treated:  # objects may share a mesh
-                treated.add(obj.data)
-                self._treat_object(obj, choices, Task(file, f"{source}: {obj.name}"))
+        distinct = list({obj.data: obj for obj in reversed(objects)}.values())[::-1]
+        for obj in distinct:
+            reason = refusal(obj)
+            if reason is not None:
+                raise Refusal(f"{obj.name}: {reason}")
+        for group in self.groups(distinct, choices):
+            names = ", ".join(obj.name for obj in group)
+            self._treat_group(group, choices, Task(file, f"{source}: {names}"))
         if file is not None:
             files.save(file.absolute(), objects if choices.objects else None)
             say(f"{source}: wrote {file}")
@@ -132,14 +144,13 @@ class Verb(Command):
             picture.render(objects, shot.absolute())
             say(f"{source}: wrote {shot}")
 
-    def _treat_object(self, obj: bpy.types.Object, choices: argparse.Namespace, task: Task) -> None:
+    def _treat_group(
+        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
+    ) -> None:
         try:
-            reason = refusal(obj)
-            if reason is not None:
-                raise Refusal(reason)
-            self.treat(obj, choices, task)
+            self.treat(objects, choices, task)
         except (Refusal, spectral_tv.MeshError, MemoryError) as error:
-            raise Refusal(f"{obj.name}: {error}") from error
+            raise Refusal(f"{objects[0].name}: {error}") from error
 
 
 def _named(names: list[str]) -> list[bpy.types.Object]:

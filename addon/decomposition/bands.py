@@ -1,6 +1,7 @@
 """A decomposition as the bands of an object: shape keys, and the record that links them."""
 
 import uuid
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -12,8 +13,9 @@ import spectral_tv
 from ..scene.objects import Refusal
 from ..scene.records import band_keys, coordinates, digest, topology_digest
 from ..scene.shape_keys import add_displacements
-from ..scene.surface import Surface, basis_coordinates
+from ..scene.surface import Surface, flattened, shape_of
 from .settings import WITH_BASE, Settings, key_label
+from .shapes import read_surfaces
 
 
 @dataclass(frozen=True)
@@ -26,32 +28,36 @@ class Flow:
 
 
 # Flows of this session, so that bands are cut anew without flowing again; the last few only,
-# as each holds all states.
+# as each holds all states. Objects that were decomposed as one share theirs.
 _flows: dict[str, Flow] = {}
 MOST_FLOWS = 4
 
 
-def base_shape(obj: bpy.types.Object, settings: Settings, surface: Surface) -> np.ndarray | None:
-    """The base of the method in the space of ``surface``, (V, 3); None for the smoothed shape, or
-    if it has none.
+def base_shape(
+    objects: Sequence[bpy.types.Object], settings: Settings, surfaces: Sequence[Surface]
+) -> np.ndarray | None:
+    """The base of the method as a shape of the surfaces' mesh, (N, 3); None for the smoothed shape,
+    or if it has none.
 
     Raises Refusal if the shape key it should be does not exist, or is not finite.
     """
     if settings.method not in WITH_BASE or settings.base == "FLOW":
         return None
-    shape = basis_coordinates(obj.data)
     if settings.base == "FLAT":
-        shape[:, 2] = shape[:, 2].min()
-    else:
-        keys = obj.data.shape_keys
-        if keys is None or settings.base_key not in keys.key_blocks:
-            raise Refusal(f"there is no shape key {settings.base_key!r} to be the base")
-        shape = coordinates(keys.key_blocks[settings.base_key].data).reshape(-1, 3).astype(float)
-        broken = np.flatnonzero(~np.isfinite(shape).all(axis=1))
-        if len(broken):
-            message = f"the shape key {settings.base_key!r} is not finite at vertex {broken[0]}"
-            raise Refusal(message, broken)
-    return surface.to_world(shape)
+        return flattened(surfaces[0])
+    return shape_of(surfaces, [_key_shape(obj, settings.base_key) for obj in objects])
+
+
+def _key_shape(obj: bpy.types.Object, name: str) -> np.ndarray:
+    """The shape of a key by itself, (V, 3) in object space."""
+    keys = obj.data.shape_keys
+    if keys is None or name not in keys.key_blocks:
+        raise Refusal(f"there is no shape key {name!r} to be the base")
+    shape = coordinates(keys.key_blocks[name].data).reshape(-1, 3).astype(float)
+    broken = np.flatnonzero(~np.isfinite(shape).all(axis=1))
+    if len(broken):
+        raise Refusal(f"the shape key {name!r} is not finite at vertex {broken[0]}", broken)
+    return shape
 
 
 def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[str, Any]]:
@@ -59,12 +65,21 @@ def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[st
 
     Raises Refusal or spectral_tv.MeshError if the object and the settings do not go together.
     """
+    surfaces, arguments = prepare_together([obj], settings)
+    return surfaces[0], arguments
+
+
+def prepare_together(
+    objects: Sequence[bpy.types.Object], settings: Settings
+) -> tuple[list[Surface], dict[str, Any]]:
+    """The same of objects that are decomposed as one surface."""
     if settings.band_count >= settings.least_steps:
         raise Refusal(f"{settings.bands} bands need more than {settings.least_steps} steps")
-    if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
-        raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
-    surface = Surface.read(obj)
-    return surface, settings.arguments(surface.mesh, base_shape(obj, settings, surface))
+    for obj in objects:
+        if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
+            raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
+    surfaces = read_surfaces(objects, settings)
+    return surfaces, settings.arguments(surfaces[0].mesh, base_shape(objects, settings, surfaces))
 
 
 def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposition | None:
@@ -88,10 +103,10 @@ def add_bands(
     flow = Flow(split, surface, _source(surface, arguments))
     names = _write(obj, settings.method, settings.vertex_group, edges, flow)
     _record(obj, settings, surface, split)
-    while len(_flows) >= MOST_FLOWS:
-        del _flows[next(iter(_flows))]
     identifier = obj.data.shape_keys.spectral_tv.identifier
     _flows[identifier] = flow
+    while len({id(kept.split) for kept in _flows.values()}) > MOST_FLOWS:
+        del _flows[next(iter(_flows))]
     return names
 
 

@@ -13,7 +13,16 @@ from bpy.props import (
 )
 
 from ..scene.segments import OUTPUTS
-from .settings import BASES, METHOD_ITEMS, METHODS, METRICS, STEPLESS, Settings
+from .settings import (
+    BASES,
+    METHOD_ITEMS,
+    METHODS,
+    METRICS,
+    SHAPES,
+    STEPLESS,
+    WELD,
+    Settings,
+)
 
 
 def copy_choices(
@@ -121,6 +130,25 @@ class DecompositionProperties:
     vertex_group: StringProperty(
         name="Vertex Group", description="Limits where the bands have an effect"
     )
+    shape: EnumProperty(
+        name="Shape", description="Which shape is decomposed", items=SHAPES, default="SHOWN"
+    )
+    weld: FloatProperty(
+        name="Join Within",
+        description="Corners of open edges this near to one another, and to other open edges, are "
+        "one, relative to the object's size. 0 joins those at exactly the same place",
+        subtype="PERCENTAGE",
+        default=WELD,
+        min=0,
+        soft_max=0.1,
+        max=10,
+        precision=4,
+    )
+    leaves_out: BoolProperty(
+        name="Leave Out Broken Faces",
+        description="Faces with a vertex that has no finite place take no part. Otherwise the mesh "
+        "is refused",
+    )
 
     def settings(self) -> Settings:
         """The properties as they are."""
@@ -137,6 +165,9 @@ class DecompositionProperties:
             base_key=self.base_key,
             metric=self.metric,
             vertex_group=self.vertex_group,
+            shape=self.shape,
+            weld=self.weld,
+            leaves_out=self.leaves_out,
         )
 
 
@@ -152,6 +183,12 @@ def draw_method(choices: DecompositionProperties, layout: bpy.types.UILayout) ->
             row.prop(choices, "use_accuracy", text="", icon="DRIVER_DISTANCE")
     if choices.method == "LB":
         layout.prop(choices, "eigenpairs")
+
+
+def draw_reading(choices: DecompositionProperties, layout: bpy.types.UILayout) -> None:
+    """Lay out which shape is decomposed, and what of it is joined or left out."""
+    for name in ("shape", "weld", "leaves_out"):
+        layout.prop(choices, name)
 
 
 class SpectralTVScene(DecompositionProperties, bpy.types.PropertyGroup):

@@ -49,6 +49,18 @@ METRICS = (
     ("SURFACE", "Surface", "Along the object itself: on images, adaptive spectral TV"),
     ("BASE", "Base", "Along the base: with the flat one, the spectral TV of images"),
 )
+SHAPES = (
+    ("SHOWN", "As Shown", "The mesh as its shape keys show it now, before modifiers"),
+    ("BASIS", "Basis", "The mesh without its shape keys"),
+    (
+        "APPLIED",
+        "Modifiers Applied",
+        "All that is seen, in a new object without modifiers; this one is hidden",
+    ),
+)
+# Corners of open edges that are this near are meant to be one: percent of the object's size. It is
+# what rounding leaves of coordinates with six digits.
+WELD = 1e-3
 
 
 @dataclass(frozen=True)
@@ -57,7 +69,7 @@ class Settings:
 
     Sizes are lengths relative to the square root of the surface area; 0 stands for what suits
     the method. An accuracy, the relative error of the bands, takes as many steps as it needs; 0
-    takes ``steps``.
+    takes ``steps``. ``weld`` is a percentage.
     """
 
     method: str = "M1"
@@ -72,6 +84,9 @@ class Settings:
     base_key: str = ""
     metric: str = "SURFACE"
     vertex_group: str = ""
+    shape: str = "SHOWN"
+    weld: float = WELD
+    leaves_out: bool = False
 
     @property
     def band_count(self) -> int:

@@ -11,6 +11,7 @@ from ..attributes import accuracy
 from ..decomposition.bands import base_shape
 from ..decomposition.properties import DecompositionProperties, draw_method
 from ..decomposition.settings import STEPLESS, key_label
+from ..decomposition.shapes import read_surfaces
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from ._job import JobOperator
@@ -41,8 +42,8 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
             raise Refusal("this method takes no time steps, so there is nothing to measure")
         if settings.bands >= settings.steps:
             raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
-        surface = Surface.read(obj)
-        base = base_shape(obj, settings, surface)
+        surface = read_surfaces([obj], settings, without_bands=True)[0]
+        base = base_shape([obj], settings, [surface])
         steps = {max(settings.steps // part, 2) for part in (1, 2, 4)}
         return surface, {
             **settings.method_arguments(surface.mesh, base),

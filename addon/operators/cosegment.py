@@ -8,7 +8,7 @@ import spectral_tv
 
 from ..decomposition.properties import SegmentationProperties
 from ..job import faults, jobs
-from ..scene import segments
+from ..scene import mix, segments
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from ..scene.surface import Surface
 from ._job import JobOperator
@@ -35,7 +35,7 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
         for obj in distinct_meshes(bpy.context):
             try:
                 with faults.kept(obj):
-                    surface = Surface.read(obj)
+                    surface = Surface.read(obj, mix.shown(obj))
             except (Refusal, spectral_tv.MeshError) as error:
                 raise Refusal(f"{obj.name}: {error}") from error
             prepared.append((obj.name, surface, jobs.state_of(obj)))
@@ -71,7 +71,7 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
             if refusal(obj) is not None or jobs.state_of(obj) != state:
                 skipped.append(name)
                 continue
-            segments.write(obj, labels[surface.place], self.segments, self.outputs)
+            segments.write(obj, surface.to_vertices(labels), self.segments, self.outputs)
         text = f"{self.segments} parts in {len(prepared) - len(skipped)} meshes"
         if skipped:
             text += f"; changed in the meantime and left as they are: {', '.join(skipped)}"

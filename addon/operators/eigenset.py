@@ -10,6 +10,7 @@ from bpy.props import StringProperty
 
 from ..attributes.outputs import write
 from ..attributes.sources import Source, read
+from ..scene import mix
 from ..scene.surface import Surface
 from ._job import JobOperator
 
@@ -40,7 +41,7 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, bpy.types.Operator):
     )
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        source, surface = read(obj, "GROUP", self.group), Surface.read(obj)
+        source, surface = read(obj, "GROUP", self.group), Surface.read(obj, mix.shown(obj))
         return Prepared(source, surface, surface.merge(source.values)[:, 0] >= 0.5)
 
     def work(
@@ -56,7 +57,7 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, bpy.types.Operator):
     ) -> str:
         text = verdict(prepared.source.name, result)
         if not result.minimal_perimeter:
-            superset = result.superset[prepared.surface.place]
+            superset = prepared.surface.to_vertices(result.superset)
             (name,) = write(obj, prepared.source, {SUPERSET: superset[:, np.newaxis]})
             text += f", {name!r}"
         return f"{text}; tested"

@@ -2,11 +2,17 @@
 
 import bpy
 
-from ..decomposition.properties import DecompositionProperties, copy_choices, draw_method
+from ..decomposition.properties import (
+    DecompositionProperties,
+    copy_choices,
+    draw_method,
+    draw_reading,
+)
 from ..decomposition.settings import WITH_BASE
+from ..decomposition.shapes import remarks
 from ..job import estimates, jobs
 from ..operators.decompose import SPECTRAL_TV_OT_decompose
-from ..scene.objects import refusal
+from ..scene.objects import refusal, selected_meshes
 from ._sidebar import Sidebar, draw_fault, draw_needs, draw_progress, say
 
 
@@ -37,12 +43,34 @@ class SPECTRAL_TV_PT_decompose(Sidebar, bpy.types.Panel):
             say(layout, context, text, "INFO")
         draw_fault(layout, context)
         if reason is None:
+            for text in remarks(obj, settings.settings()):
+                say(layout, context, text[0].upper() + text[1:], "INFO")
             needs = estimates.of_meshes(settings.settings(), len(obj.data.vertices))
             draw_needs(layout, context, needs)
         row = layout.row()
         row.scale_y = 1.4
         operator = row.operator(SPECTRAL_TV_OT_decompose.bl_idname, icon="MOD_MULTIRES")
         copy_choices(DecompositionProperties, settings, operator)
+        if reason is None and len(selected_meshes(context)) > 1:
+            operator = layout.operator(
+                SPECTRAL_TV_OT_decompose.bl_idname, text="Selected as One", icon="MOD_BOOLEAN"
+            )
+            copy_choices(DecompositionProperties, settings, operator)
+            operator.together = True
+
+
+class SPECTRAL_TV_PT_shape(Sidebar, bpy.types.Panel):
+    """Which shape is decomposed, and what of it is joined"""
+
+    bl_label = "Shape"
+    bl_parent_id = "SPECTRAL_TV_PT_decompose"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        draw_reading(context.scene.spectral_tv, layout)
 
 
 class SPECTRAL_TV_PT_scales(Sidebar, bpy.types.Panel):
@@ -102,4 +130,9 @@ class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
             layout.prop(settings, "metric")
 
 
-CLASSES = (SPECTRAL_TV_PT_decompose, SPECTRAL_TV_PT_scales, SPECTRAL_TV_PT_base)
+CLASSES = (
+    SPECTRAL_TV_PT_decompose,
+    SPECTRAL_TV_PT_shape,
+    SPECTRAL_TV_PT_scales,
+    SPECTRAL_TV_PT_base,
+)

@@ -1,78 +1,248 @@
-"""Reading the surface of an object."""
+"""Reading the surface of an object, or of several that belong together."""
 
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 import spectral_tv
+from mathutils import Matrix, Vector
 
+from . import applied
+from .coordinates import basis_coordinates, triangles
+from .mirroring import Copies, mirrored, single
+from .modifiers import symmetries
+from .notes import note
 from .objects import Refusal
-from .records import coordinates
-from .seams import close
+
+__all__ = ["Reading", "Surface", "basis_coordinates", "triangles"]
+
+# Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
+NOWHERE = 1e37
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a surface is read: how near corners are joined, in percent of its size, and whether
+    faces are left out whose vertices have no finite place.
+    """
+
+    weld: float
+    leaves_out: bool
+
+    @classmethod
+    def of_scene(cls) -> "Reading":
+        """What is chosen in the sidebar."""
+        chosen = bpy.context.scene.spectral_tv
+        return cls(chosen.weld, chosen.leaves_out)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """The Basis shape of a mesh object as triangles in world scale, its seams closed.
+    """A shape of a mesh object as triangles in world scale, joined where corners belong together.
 
     ``mesh`` has the rotation and scale of the object applied, not its location; ``matrix``
-    (3, 3) is what was applied, ``inverse`` takes displacements back to object space. Its vertices
-    are those of the object that ``kept`` names; ``place`` tells where every vertex of the object
-    is among them.
+    (3, 3) is what was applied, ``inverse`` takes displacements back to object space. ``place``
+    (V,) tells where every vertex of the object is among those of the mesh, −1 for one that is
+    left out. Of an object with Mirror modifiers the mesh has the other half too: ``copies``
+    tells where. Several objects that are read together have one mesh.
     """
 
     mesh: spectral_tv.Mesh
     matrix: np.ndarray
     inverse: np.ndarray
-    kept: np.ndarray
     place: np.ndarray
+    copies: Copies
 
     @classmethod
-    def read(cls, obj: bpy.types.Object) -> "Surface":
-        """Read ``obj``; polygons become the triangles that Blender draws.
+    def read(
+        cls,
+        obj: bpy.types.Object,
+        shape: np.ndarray | None = None,
+        reading: Reading | None = None,
+    ) -> "Surface":
+        """Read ``obj`` in a shape (V, 3) of its own, Basis if None; see `read_together`."""
+        return cls.read_together([obj], [shape], reading)[0]
 
-        Raises Refusal if the object's scale is zero along an axis, spectral_tv.MeshError if
-        the mesh cannot be used.
+    @classmethod
+    def read_together(
+        cls,
+        objects: Sequence[bpy.types.Object],
+        shapes: Sequence[np.ndarray | None],
+        reading: Reading | None = None,
+    ) -> "list[Surface]":
+        """Read objects as one surface; polygons become the triangles that Blender draws.
+
+        Without a ``reading`` that of the scene counts. Raises Refusal if an object's scale is
+        zero along an axis or a vertex has no finite place, spectral_tv.MeshError if the mesh
+        cannot be used.
         """
-        to_world = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
-        if np.linalg.matrix_rank(to_world) < 3:
-            raise Refusal("its scale is zero along an axis")
-        vertices, corners = basis_coordinates(obj.data), triangles(obj.data)
-        if np.isfinite(vertices).all():
-            kept, place = close(vertices, corners)
-        else:  # refused below, with the number of the vertex in the object
-            kept = place = np.arange(len(vertices))
-        mesh = spectral_tv.Mesh(vertices[kept] @ to_world.T, place[corners])
-        return cls(mesh, to_world, np.linalg.inv(to_world), kept, place)
+        parts = [
+            _Part.read(obj, shape, objects[0]) for obj, shape in zip(objects, shapes, strict=True)
+        ]
+        return cls._joined(parts, reading or Reading.of_scene())
 
-    def to_world(self, vertices: np.ndarray) -> np.ndarray:
-        """Object-space positions of the object's vertices as positions of the mesh's."""
-        return vertices[self.kept] @ self.matrix.T
+    @classmethod
+    def read_applied(cls, obj: bpy.types.Object, reading: Reading) -> "Surface":
+        """Read what the modifiers of ``obj`` show; its vertices are those of `applied.mesh_of`."""
+        mesh = applied.mesh_of(obj)
+        try:
+            part = _Part.of_mesh(mesh, obj.matrix_world)
+            return cls._joined([part], reading)[0]
+        finally:
+            bpy.data.meshes.remove(mesh)
+
+    @classmethod
+    def _joined(cls, parts: "Sequence[_Part]", reading: Reading) -> "list[Surface]":
+        firsts = np.cumsum([0, *(len(part.copies.positions) for part in parts)])
+        positions = np.concatenate([part.positions for part in parts])
+        corners = np.concatenate(
+            [part.corners + first for part, first in zip(parts, firsts, strict=False)]
+        )
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always", spectral_tv.MeshWarning)
+            mesh = spectral_tv.Mesh(
+                positions,
+                corners,
+                weld=reading.weld / 100 * _size(positions, corners),
+                broken="drop" if reading.leaves_out else "refuse",
+            )
+        done = [str(mesh.findings)] if mesh.findings else []
+        for text in (*done, *(str(each.message) for each in told)):
+            note(text)
+        return [
+            cls(
+                mesh,
+                part.matrix,
+                np.linalg.inv(part.matrix),
+                mesh.weld_map[part.copies.places[0] + first],
+                Copies(
+                    part.copies.turns,
+                    part.copies.positions,
+                    mesh.weld_map[part.copies.places + first],
+                    part.copies.is_flipped,
+                ),
+            )
+            for part, first in zip(parts, firsts, strict=False)
+        ]
 
     def merge(self, values: np.ndarray) -> np.ndarray:
-        """Values of the object's vertices (V, C) as those of the mesh's.
+        """Values of the object's vertices (V, C) as those of the mesh's (N, C).
 
-        Where a seam is closed, they are the means of those that are one.
+        Where several vertices are one, they are their means.
         """
-        count = np.bincount(self.place)
-        sums = [np.bincount(self.place, channel) for channel in values.T]
-        return np.column_stack(sums) / count[:, np.newaxis]
+        return self._gathered(np.broadcast_to(values, (len(self.copies.places), *values.shape)))
+
+    def merge_vectors(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors in object space (V, 3) as those of the mesh's vertices in world scale, (N, 3)."""
+        return self._gathered(self.copies.turned(vectors) @ self.matrix.T)
+
+    def to_vertices(self, values: np.ndarray) -> np.ndarray:
+        """Values at the mesh's vertices (N, …) as those of the object's, (V, …); 0 if left out."""
+        found = np.zeros((len(self.place), *values.shape[1:]), dtype=values.dtype)
+        is_there = self.place >= 0
+        found[is_there] = values[self.place[is_there]]
+        return found
 
     def to_object(self, displacements: np.ndarray) -> np.ndarray:
-        """Displacements (K, N, 3) of the mesh's vertices as those of the object's, (K, V, 3)."""
-        return (displacements @ self.inverse.T)[:, self.place]
+        """Displacements (K, N, 3) of the mesh's vertices as those of the object's, (K, V, 3).
+
+        The halves of a mirrored object move alike, so that what is on a plane of symmetry stays.
+        """
+        found = np.zeros((len(displacements), len(self.place), 3))
+        back = np.linalg.inv(self.copies.turns) @ self.inverse
+        for places, turn in zip(self.copies.places, back, strict=True):
+            is_there = places >= 0
+            found[:, is_there] += (displacements @ turn.T)[:, places[is_there]]
+        return found / len(self.copies.places)
+
+    def _gathered(self, values: np.ndarray) -> np.ndarray:
+        """Means (N, C) at the mesh's vertices of values (copies, V, C)."""
+        is_there = self.copies.places >= 0
+        places, values = self.copies.places[is_there], values[is_there]
+        total = len(self.mesh.vertex_areas)
+        count = np.maximum(np.bincount(places, minlength=total), 1)
+        sums = [np.bincount(places, channel, total) for channel in values.T]
+        return np.column_stack(sums) / count[:, np.newaxis]
 
 
-def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
-    """Positions of the Basis shape key, or of the mesh where it has none, (V, 3)."""
-    keys = mesh.shape_keys
-    source = mesh.vertices if keys is None else keys.reference_key.data
-    return coordinates(source).reshape(-1, 3).astype(np.float64)
+def shape_of(surfaces: Sequence[Surface], shapes: Sequence[np.ndarray]) -> np.ndarray:
+    """Shapes (V, 3) of objects that were read together as one of their mesh, (N, 3)."""
+    found = surfaces[0].mesh.vertices
+    for surface, shape in zip(surfaces, shapes, strict=True):
+        moved = surface.merge_vectors(shape - surface.copies.positions[: len(shape)])
+        mine = np.unique(surface.copies.places[surface.copies.places >= 0])
+        found[mine] += moved[mine]
+    return found
 
 
-def triangles(mesh: bpy.types.Mesh) -> np.ndarray:
-    """Vertices of the triangles of the mesh's polygons, (F, 3)."""
-    mesh.calc_loop_triangles()
-    corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", corners)
-    return corners.reshape(-1, 3)
+def flattened(surface: Surface) -> np.ndarray:
+    """The mesh of a surface pressed flat along the Z axis of its object, (N, 3)."""
+    local = surface.mesh.vertices @ surface.inverse.T
+    local[:, 2] = local[:, 2].min()
+    return local @ surface.matrix.T
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One object of a surface: its copies, where they are in the world, and their triangles."""
+
+    copies: Copies
+    matrix: np.ndarray
+    positions: np.ndarray
+    corners: np.ndarray
+
+    @classmethod
+    def read(
+        cls, obj: bpy.types.Object, shape: np.ndarray | None, origin: bpy.types.Object
+    ) -> "_Part":
+        """An object in a shape of its own, or Basis; distances are from the object ``origin``."""
+        corners = triangles(obj.data, shape)
+        shape = basis_coordinates(obj.data) if shape is None else shape
+        copies = mirrored(obj, _without_strays(shape, corners), symmetries(obj))
+        shift = obj.matrix_world.translation - origin.matrix_world.translation
+        return cls._placed(copies, corners, obj.matrix_world, shift)
+
+    @classmethod
+    def of_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix) -> "_Part":
+        """A mesh by itself."""
+        corners = triangles(mesh)
+        shape = _without_strays(basis_coordinates(mesh), corners)
+        return cls._placed(single(shape), corners, matrix, Vector())
+
+    @classmethod
+    def _placed(
+        cls, copies: Copies, corners: np.ndarray, matrix_world: Matrix, shift: Vector
+    ) -> "_Part":
+        matrix = np.array(matrix_world.to_3x3(), dtype=np.float64)
+        if np.linalg.matrix_rank(matrix) < 3:
+            raise Refusal("its scale is zero along an axis")
+        turned = [
+            places[corners[:, ::-1] if is_flipped else corners]
+            for places, is_flipped in zip(copies.places, copies.is_flipped, strict=True)
+        ]
+        positions = copies.positions @ matrix.T + np.array(shift)
+        return cls(copies, matrix, positions, np.concatenate(turned))
+
+
+def _without_strays(shape: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The shape with NaN for vertices that are nowhere, and those in no face at any place."""
+    is_nowhere = ~(np.abs(shape) < NOWHERE).all(axis=1)
+    shape = np.where(is_nowhere[:, np.newaxis], np.nan, shape)
+    is_stray = is_nowhere.copy()
+    is_stray[corners] = False
+    count = np.count_nonzero(is_stray)
+    if count and count < len(shape):
+        shape[is_stray] = shape[~is_stray][0]
+        what = "1 vertex in no face has" if count == 1 else f"{count} vertices in no face have"
+        note(f"{what} no finite place, and no part in this")
+    return shape
+
+
+def _size(vertices: np.ndarray, corners: np.ndarray) -> float:
+    """√ of the area, or 0 where it cannot be told."""
+    one, two, three = (vertices[corner] for corner in corners.T)
+    with np.errstate(all="ignore"):
+        area = np.linalg.norm(np.cross(two - one, three - one), axis=1).sum() / 2
+    return float(np.sqrt(area)) if np.isfinite(area) else 0.0

@@ -12,10 +12,12 @@ __all__ = [
     "Deformer",
     "EigensetTest",
     "Estimate",
+    "Findings",
     "Flow",
     "Job",
     "Mesh",
     "MeshError",
+    "MeshWarning",
     "__version__",
     "accuracy",
     "caricature",
@@ -53,11 +55,18 @@ class MeshError(ValueError):
     vertices: NDArray[np.int64]
     faces: NDArray[np.int64]
 
+class MeshWarning(UserWarning): ...
 class Cancelled(Exception): ...
 
 @final
 class Mesh:
-    def __new__(cls, vertices: ArrayLike, triangles: ArrayLike) -> Mesh: ...
+    def __new__(
+        cls,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        weld: float | None = None,
+        broken: Literal["refuse", "drop"] = "refuse",
+    ) -> Mesh: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -68,6 +77,31 @@ class Mesh:
     def face_areas(self) -> NDArray[np.float64]: ...
     @property
     def vertex_areas(self) -> NDArray[np.float64]: ...
+    @property
+    def weld_map(self) -> NDArray[np.int64]: ...
+    @property
+    def findings(self) -> Findings: ...
+
+@final
+class Findings:
+    @property
+    def border_corners(self) -> int: ...
+    @property
+    def joined_corners(self) -> int: ...
+    @property
+    def closed_junctions(self) -> int: ...
+    @property
+    def dropped_vertices(self) -> int: ...
+    @property
+    def dropped_triangles(self) -> int: ...
+    @property
+    def open_edges_before(self) -> int: ...
+    @property
+    def open_edges(self) -> int: ...
+    @property
+    def components(self) -> int: ...
+    def as_dict(self) -> dict[str, int]: ...
+    def __bool__(self) -> bool: ...
 
 @final
 class Flow:

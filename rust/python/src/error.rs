@@ -2,7 +2,7 @@
 
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyMemoryError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyException, PyMemoryError, PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use spectral_tv::Error;
 
@@ -19,6 +19,13 @@ create_exception!(
     Cancelled,
     PyException,
     "The job was cancelled before it finished."
+);
+
+create_exception!(
+    spectral_tv,
+    MeshWarning,
+    PyUserWarning,
+    "Something about a mesh is probably a mistake, or something of it was left out."
 );
 
 /// An [`Error`] of the mathematics on its way to Python; bindings use `?` with it.

@@ -10,6 +10,7 @@ mod eigenpairs;
 mod eigenset;
 mod error;
 mod estimate;
+mod findings;
 mod flow;
 mod flowing;
 mod heap;
@@ -29,8 +30,10 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     error::prepare(py)?;
     module.add("MeshError", py.get_type::<error::MeshError>())?;
+    module.add("MeshWarning", py.get_type::<error::MeshWarning>())?;
     module.add("Cancelled", py.get_type::<error::Cancelled>())?;
     module.add_class::<mesh::Mesh>()?;
+    module.add_class::<findings::Findings>()?;
     module.add_class::<flow::Flow>()?;
     module.add_class::<decomposition::Decomposition>()?;
     module.add_class::<accuracy::Accuracy>()?;

@@ -2,15 +2,23 @@
 
 use std::sync::Arc;
 
+use std::ffi::CString;
+
 use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use spectral_tv::mesh::TriangleMesh;
+use pyo3::types::PyBool;
+use spectral_tv::Error;
+use spectral_tv::mesh::{Broken, Repair, TriangleMesh};
 use spectral_tv::operators::positions;
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, MeshWarning};
+use crate::findings::Findings;
+use crate::job::guarded;
+use crate::parameters::Number;
 
-/// A triangle mesh with V vertices and F triangles, checked once.
+/// A triangle mesh with N vertices, checked once.
 ///
 /// Zero-area triangles, boundaries, non-manifold edges, several components and vertices in no
 /// triangle are accepted.
@@ -21,12 +29,26 @@ use crate::error::Failure;
 ///     Positions, in any unit of length.
 /// triangles : (F, 3) array of integers
 ///     Indices of each triangle's corners.
+/// weld : float, optional
+///     A length: surfaces are joined along open edges, which belong to one triangle only, that are
+///     within it of one another. Corners there become one, at their mean, and an edge is split
+///     at the corners of other edges that lie on it, which adds triangles. 0 joins what is at exactly
+///     the same place alone. A corner moves by less than a third of its shortest edge, however long
+///     `weld` is. Without it all vertices stay as they are.
+/// broken : {"refuse", "drop"}
+///     What becomes of vertices that are not finite, or beyond 1e100: the mesh is refused, or they
+///     are dropped with all their triangles, with a warning.
 ///
 /// Raises
 /// ------
 /// MeshError
 ///     Names the first vertex that is not finite or triangle whose index is out of range; or
 ///     says that the mesh has no triangles or spans no area.
+///
+/// Warns
+/// -----
+/// MeshWarning
+///     If vertices were dropped.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Mesh {
     pub inner: Arc<TriangleMesh>,
@@ -35,22 +57,37 @@ pub struct Mesh {
 #[pymethods]
 impl Mesh {
     #[new]
-    fn new(vertices: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> Result<Self, Failure> {
+    #[pyo3(signature = (vertices, triangles, weld = None, broken = "refuse"))]
+    fn new(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        weld: Option<Bound<'_, PyAny>>,
+        broken: &str,
+    ) -> Result<Self, Failure> {
+        let repair = Repair {
+            weld: weld.as_ref().map(length).transpose()?,
+            broken: what_becomes_of_broken(broken)?,
+        };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let mesh = TriangleMesh::new(vertices, &triangles)?;
+        let mesh = guarded(py, || TriangleMesh::repaired(vertices, &triangles, &repair))?;
+        if mesh.weld_map().is_some() && mesh.findings().dropped_vertices > 0 {
+            warn(py, &mesh.findings().dropped())?;
+        }
         Ok(Self {
             inner: Arc::new(mesh),
         })
     }
 
-    /// Positions, (V, 3); a copy.
+    /// Positions, (N, 3); a copy.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         arrays::per_vertex(py, &positions(&self.inner))
     }
 
-    /// Corners of the triangles, (F, 3) int64; a copy.
+    /// Corners of the triangles, (F, 3) int64; a copy. Triangles that were split are shorter, and
+    /// their other parts are behind all others.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
         let triangles = self.inner.triangles();
@@ -72,10 +109,32 @@ impl Mesh {
         self.inner.face_areas().to_vec().into_pyarray(py)
     }
 
-    /// A third of the area of each vertex's triangles, (V,), length²; 0 in no triangle.
+    /// A third of the area of each vertex's triangles, (N,), length²; 0 in no triangle.
     #[getter]
     fn vertex_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.inner.vertex_areas().to_vec().into_pyarray(py)
+    }
+
+    /// Which of the N vertices each of those handed in is now, (V,) int64; -1 for one that was
+    /// dropped. `values[mesh.weld_map]` are the values of all of them, where none is -1.
+    #[getter]
+    fn weld_map<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let map: Vec<i64> = match self.inner.weld_map() {
+            Some(map) => map
+                .iter()
+                .map(|place| place.map_or(-1, i64::from))
+                .collect(),
+            None => (0..self.inner.vertex_count() as i64).collect(),
+        };
+        map.into_pyarray(py)
+    }
+
+    /// What was found in the mesh, and done about it.
+    #[getter]
+    fn findings(&self, py: Python<'_>) -> Findings {
+        Findings {
+            inner: py.detach(|| *self.inner.findings()),
+        }
     }
 
     fn __repr__(&self) -> String {
@@ -86,4 +145,30 @@ impl Mesh {
             self.inner.area()
         )
     }
+}
+
+/// The argument `weld`.
+fn length(weld: &Bound<'_, PyAny>) -> PyResult<f64> {
+    if weld.is_instance_of::<PyBool>() {
+        let message = format!("weld must be a length, not {weld}: 0.0 joins what is at one place");
+        return Err(PyTypeError::new_err(message));
+    }
+    f64::read("weld", weld)
+}
+
+/// The argument `broken`.
+fn what_becomes_of_broken(broken: &str) -> Result<Broken, Error> {
+    match broken {
+        "refuse" => Ok(Broken::Refuse),
+        "drop" => Ok(Broken::Drop),
+        _ => Err(Error::Argument(format!(
+            "broken must be \"refuse\" or \"drop\", not \"{broken}\""
+        ))),
+    }
+}
+
+/// Warns whoever called.
+fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let message = CString::new(message).expect("messages have no 0 in them");
+    PyErr::warn(py, &py.get_type::<MeshWarning>(), &message, 1)
 }

@@ -41,3 +41,13 @@ pub(crate) fn components_of(
 pub(crate) fn component_count(components: &[u32]) -> usize {
     components.iter().max().map_or(0, |&last| last as usize + 1)
 }
+
+/// How many components have a triangle with area.
+pub(super) fn surface_count(mesh: &TriangleMesh) -> usize {
+    let components = connected_components(mesh);
+    let mut has_area = vec![false; component_count(&components)];
+    for (triangle, &area) in mesh.triangles().iter().zip(mesh.face_areas()) {
+        has_area[components[triangle[0] as usize] as usize] |= area > 0.0;
+    }
+    has_area.iter().filter(|&&has_area| has_area).count()
+}

@@ -55,6 +55,6 @@ fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
     (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-fn repeats_an_index(&[a, b, c]: &[u32; 3]) -> bool {
+pub(super) fn repeats_an_index(&[a, b, c]: &[u32; 3]) -> bool {
     a == b || b == c || c == a
 }

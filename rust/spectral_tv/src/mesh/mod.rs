@@ -1,15 +1,25 @@
 //! The triangle mesh every flow runs on: validated once, immutable afterwards.
 
 mod components;
+mod findings;
 mod intrinsic;
+mod open_edges;
+mod repair;
+mod weld;
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use crate::error::{Error, Result, has_usable_size};
-pub(crate) use components::{component_count, components_of, connected_components};
-use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
 use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use components::surface_count;
+pub(crate) use components::{component_count, components_of, connected_components};
+pub use findings::Findings;
+use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
+use open_edges::{open_edges, vertices_of};
+pub use repair::{Broken, Repair};
+use repair::{Repaired, check_weld_map};
 
 /// The areas of surfaces that can be worked with, length²: in Heron's formula products of lengths
 /// lose no digits to underflow, and times of the order of the area are usable.
@@ -32,6 +42,10 @@ pub struct TriangleMesh {
     face_areas: Vec<f64>,
     vertex_areas: Vec<f64>,
     area: f64,
+    /// Where the vertices that were handed in went, if they are not the same.
+    weld_map: Option<Vec<Option<u32>>>,
+    /// Counted when they are asked for, where nothing was done.
+    findings: OnceLock<Findings>,
 }
 
 impl TriangleMesh {
@@ -45,9 +59,49 @@ impl TriangleMesh {
     /// says that there are no triangles or that they span no area, or one below 1e-140 or
     /// beyond 1e100.
     pub fn new(vertices: Vec<[f64; 3]>, triangles: &[[i64; 3]]) -> Result<Self> {
-        check_vertices(&vertices)?;
-        let triangles = check_triangles(triangles, vertices.len())?;
-        Self::measured(vertices, triangles, None)
+        Self::repaired(vertices, triangles, &Repair::default())
+    }
+
+    /// The same after what `repair` says: the mesh may have fewer vertices and more or fewer
+    /// triangles then. The first triangles are those handed in, in their order; the parts of
+    /// those that were split are behind them, but for one each.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`]; if a length is none, or no triangle is left.
+    pub fn repaired(
+        vertices: Vec<[f64; 3]>,
+        triangles: &[[i64; 3]],
+        repair: &Repair,
+    ) -> Result<Self> {
+        let ready = Repaired::new(vertices, triangles, repair)?;
+        let mut mesh = Self::measured(ready.vertices, ready.triangles, None)?;
+        mesh.weld_map = ready.weld_map;
+        if let Some(done) = ready.findings {
+            mesh.findings = mesh.found(done).into();
+        }
+        Ok(mesh)
+    }
+
+    /// A mesh of its parts, as [`Self::vertices`], [`Self::triangles`], [`Self::weld_map`] and
+    /// [`Self::findings`] give them; `findings` are counted anew for `None`.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::new`]; if the map leads out of the mesh.
+    pub fn from_parts(
+        vertices: Vec<[f64; 3]>,
+        triangles: &[[i64; 3]],
+        weld_map: Option<Vec<Option<u32>>>,
+        findings: Option<Findings>,
+    ) -> Result<Self> {
+        let mut mesh = Self::new(vertices, triangles)?;
+        if let Some(map) = &weld_map {
+            check_weld_map(map, mesh.vertex_count())?;
+        }
+        mesh.weld_map = weld_map;
+        if let Some(findings) = findings {
+            mesh.findings = findings.into();
+        }
+        Ok(mesh)
     }
 
     /// The same, measured by lengths of its own: `length` of the edge between two vertices, which
@@ -60,8 +114,11 @@ impl TriangleMesh {
         triangles: &[[i64; 3]],
         length: impl Fn(usize, usize) -> f64,
     ) -> Result<Self> {
-        check_vertices(&vertices)?;
-        let triangles = check_triangles(triangles, vertices.len())?;
+        let Repaired {
+            vertices,
+            triangles,
+            ..
+        } = Repaired::new(vertices, triangles, &Repair::default())?;
         let lengths = |corners: &[u32; 3]| {
             let [p, q, r] = corners.map(|corner| corner as usize);
             [length(q, r), length(r, p), length(p, q)]
@@ -100,7 +157,18 @@ impl TriangleMesh {
             face_areas,
             vertex_areas,
             area,
+            weld_map: None,
+            findings: OnceLock::new(),
         })
+    }
+
+    /// What was `done`, and what is found in the mesh as it is now.
+    fn found(&self, done: Findings) -> Findings {
+        Findings {
+            open_edges: open_edges(self.vertex_count(), &self.triangles).len(),
+            components: surface_count(self),
+            ..done
+        }
     }
 
     /// Number of vertices, V.
@@ -141,6 +209,26 @@ impl TriangleMesh {
     pub fn area(&self) -> f64 {
         self.area
     }
+
+    /// Where each vertex that was handed in went, `None` for one that was dropped; `None` where all
+    /// are what they were.
+    pub fn weld_map(&self) -> Option<&[Option<u32>]> {
+        self.weld_map.as_deref()
+    }
+
+    /// What was found and done when the mesh was read.
+    pub fn findings(&self) -> &Findings {
+        self.findings.get_or_init(|| {
+            let border = open_edges(self.vertex_count(), &self.triangles);
+            Findings {
+                border_corners: vertices_of(&border).len(),
+                open_edges_before: border.len(),
+                open_edges: border.len(),
+                components: surface_count(self),
+                ..Findings::default()
+            }
+        })
+    }
 }
 
 /// Lengths of the edges of a triangle before mollification.
@@ -169,50 +257,6 @@ pub(crate) fn barycentric_areas(
         }
     }
     areas
-}
-
-fn check_vertices(vertices: &[[f64; 3]]) -> Result<()> {
-    if u32::try_from(vertices.len()).is_err() {
-        return Err(Error::Unusable(format!(
-            "the mesh has {} vertices; the limit is {}",
-            vertices.len(),
-            u32::MAX
-        )));
-    }
-    let is_broken = |vertex: &usize| !vertices[*vertex].iter().all(|x| has_usable_size(*x));
-    let broken: Vec<_> = (0..vertices.len()).filter(is_broken).collect();
-    match broken.first() {
-        Some(&first) => Err(Error::NonFiniteVertices {
-            position: vertices[first],
-            vertices: broken,
-        }),
-        None => Ok(()),
-    }
-}
-
-fn check_triangles(triangles: &[[i64; 3]], vertex_count: usize) -> Result<Arc<[[u32; 3]]>> {
-    if triangles.is_empty() {
-        return Err(Error::Unusable("the mesh has no triangles".into()));
-    }
-    if vertex_count == 0 {
-        let message = "the mesh has triangles but no vertices";
-        return Err(Error::Unusable(message.into()));
-    }
-    let valid = 0..vertex_count as i64;
-    let stray = |triangle: usize| triangles[triangle].iter().find(|i| !valid.contains(i));
-    let broken = |triangle: &usize| stray(*triangle).is_some();
-    let broken: Vec<_> = (0..triangles.len()).filter(broken).collect();
-    if let Some(&index) = broken.first().and_then(|&first| stray(first)) {
-        return Err(Error::IndicesOutOfRange {
-            triangles: broken,
-            index,
-            last: vertex_count - 1,
-        });
-    }
-    Ok(triangles
-        .iter()
-        .map(|t| t.map(|index| index as u32))
-        .collect())
 }
 
 #[cfg(test)]

@@ -1,0 +1,51 @@
+"""Positions and triangles of a mesh as arrays."""
+
+import bpy
+import numpy as np
+
+
+def coordinates(data: bpy.types.bpy_prop_collection) -> np.ndarray:
+    """Flat float32 coordinates of vertices or shape key points."""
+    flat = np.empty(3 * len(data), dtype=np.float32)
+    data.foreach_get("co", flat)
+    return flat
+
+
+def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Positions of the Basis shape key, or of the mesh where it has none, (V, 3)."""
+    keys = mesh.shape_keys
+    source = mesh.vertices if keys is None else keys.reference_key.data
+    return coordinates(source).reshape(-1, 3).astype(np.float64)
+
+
+def triangles(mesh: bpy.types.Mesh, shape: np.ndarray | None = None) -> np.ndarray:
+    """Vertices of the triangles that Blender draws of the mesh's polygons, (F, 3).
+
+    In a ``shape`` (V, 3) of its own a polygon may be cut another way.
+    """
+    if shape is not None and len(mesh.loops) > 3 * len(mesh.polygons):
+        bent = _bent(mesh, shape)
+        try:
+            return triangles(bent)
+        finally:
+            bpy.data.meshes.remove(bent)
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    return corners.reshape(-1, 3)
+
+
+def _bent(mesh: bpy.types.Mesh, shape: np.ndarray) -> bpy.types.Mesh:
+    """A new mesh with the polygons of another, and vertices (V, 3)."""
+    bent = bpy.data.meshes.new(mesh.name)
+    bent.vertices.add(len(mesh.vertices))
+    bent.loops.add(len(mesh.loops))
+    bent.polygons.add(len(mesh.polygons))
+    bent.vertices.foreach_set("co", shape.astype(np.float32).ravel())
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("loop_start", starts)
+    bent.loops.foreach_set("vertex_index", corners)
+    bent.polygons.foreach_set("loop_start", starts)
+    return bent

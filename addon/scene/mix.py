@@ -1,0 +1,67 @@
+"""The shape that relative shape keys show: Basis, and what each key adds to it at its value."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .coordinates import basis_coordinates, coordinates
+from .weights import weights_of
+
+
+@dataclass(frozen=True)
+class Part:
+    """A key that moves something now, and how far."""
+
+    key: bpy.types.ShapeKey
+    value: float
+
+    def displacement(self, obj: bpy.types.Object) -> np.ndarray:
+        """What it adds to Basis, (V, 3) in object space, at its value and within its mask."""
+        scale = self.value * mask(obj, self.key)
+        return scale[:, np.newaxis] * key_displacement(self.key)
+
+
+def key_displacement(key: bpy.types.ShapeKey) -> np.ndarray:
+    """How far a key at 1 moves the vertices: from the key that it is relative to, (V, 3)."""
+    there, here = (coordinates(data) for data in (key.data, key.relative_key.data))
+    return there.reshape(-1, 3).astype(np.float64) - here.reshape(-1, 3)
+
+
+def mask(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
+    """How much of a key reaches every vertex, (V,): the weights of its vertex group, or 1."""
+    group = obj.vertex_groups.get(key.vertex_group) if key.vertex_group else None
+    if group is None:  # so does Blender where the group is missing
+        return np.ones(len(obj.data.vertices))
+    return weights_of(obj, group)
+
+
+def parts(obj: bpy.types.Object) -> list[Part]:
+    """The keys that move something now; a pinned one hides all others."""
+    keys = obj.data.shape_keys
+    if keys is None:
+        return []
+    if obj.show_only_shape_key:
+        pinned = obj.active_shape_key
+        return [Part(pinned, 1.0)] if pinned not in (None, keys.reference_key) else []
+    return [
+        Part(key, key.value)
+        for key in keys.key_blocks
+        if key != keys.reference_key and not key.mute and key.value != 0
+    ]
+
+
+def shown(obj: bpy.types.Object, without: Collection[bpy.types.ShapeKey] = ()) -> np.ndarray:
+    """The shape that the keys of ``obj`` show now, but for some of them, (V, 3) in object space."""
+    shape = basis_coordinates(obj.data)
+    for part in parts(obj):
+        if part.key not in without:
+            shape += part.displacement(obj)
+    return shape
+
+
+def told(obj: bpy.types.Object, without: Collection[bpy.types.ShapeKey] = ()) -> str:
+    """The keys that move something now with their values, such as ``Smile 0.75``; or nothing."""
+    names = [f"{part.key.name} {part.value:.2g}" for part in parts(obj) if part.key not in without]
+    return ", ".join(names)

@@ -1,0 +1,49 @@
+"""Modifiers that change what is seen of a mesh, beside its vertices and shape keys."""
+
+import bpy
+
+# Types that move no vertex and change no face.
+HARMLESS = {
+    "DATA_TRANSFER",
+    "NORMAL_EDIT",
+    "UV_PROJECT",
+    "UV_WARP",
+    "VERTEX_WEIGHT_EDIT",
+    "VERTEX_WEIGHT_MIX",
+    "VERTEX_WEIGHT_PROXIMITY",
+    "WEIGHTED_NORMAL",
+    "COLLISION",
+    "DYNAMIC_PAINT",
+    "FLUID",
+    "PARTICLE_SYSTEM",
+}
+
+
+def symmetries(obj: bpy.types.Object) -> list[bpy.types.MirrorModifier]:
+    """The Mirror modifiers of ``obj`` that are shown, and add the other half to this one.
+
+    Those that cut the mesh first are not among them: what they add is no other half of it.
+    """
+    return [
+        modifier
+        for modifier in obj.modifiers
+        if modifier.type == "MIRROR"
+        and modifier.show_viewport
+        and any(modifier.use_axis)
+        and not any(modifier.use_bisect_axis)
+    ]
+
+
+def passed_over(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """The modifiers that are shown and change the shape, but for `symmetries`."""
+    mirrors = symmetries(obj)
+    return [
+        modifier
+        for modifier in obj.modifiers
+        if modifier.show_viewport
+        and modifier.type not in HARMLESS
+        and modifier not in mirrors
+        and not (modifier.type == "MULTIRES" and modifier.levels == 0)
+        and not (modifier.type == "SUBSURF" and modifier.levels == 0)
+        and not (modifier.type == "ARMATURE" and modifier.object is None)
+    ]

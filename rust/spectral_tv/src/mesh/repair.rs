@@ -1,0 +1,218 @@
+//! From vertices and triangles as they come to those of a mesh.
+
+use std::sync::Arc;
+
+use crate::error::{Error, Result, has_usable_size};
+use crate::mesh::findings::{Findings, counted, counted_as, grouped};
+use crate::mesh::weld::{Surface, check_tolerance};
+
+/// What is done to a mesh when it is read.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Repair {
+    /// Surfaces are joined along open edges that are within this length of one another; at
+    /// exactly the same place alone for 0; not at all for `None`.
+    ///
+    /// Corners on open edges (of one triangle only) become one where they are within the length,
+    /// the nearest first, and an open edge is split at the corners of others that lie on it.
+    /// Corners move by less than a third of their shortest edge, whatever the length.
+    pub weld: Option<f64>,
+    /// What becomes of vertices that are not finite.
+    pub broken: Broken,
+}
+
+/// What becomes of vertices that are not finite, or beyond 1e100.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Broken {
+    /// A mesh with one is refused.
+    #[default]
+    Refuse,
+    /// They are dropped, with all their triangles.
+    Drop,
+}
+
+/// Where every vertex went.
+pub(super) type WeldMap = Vec<Option<u32>>;
+
+/// A mesh that is ready to be measured.
+pub(super) struct Repaired {
+    pub vertices: Vec<[f64; 3]>,
+    pub triangles: Arc<[[u32; 3]]>,
+    /// `None` where all vertices are where they were.
+    pub weld_map: Option<WeldMap>,
+    /// What was done; what was found is not counted yet.
+    pub findings: Option<Findings>,
+}
+
+impl Repaired {
+    /// Checks `vertices` and `triangles`, and does what `repair` says.
+    ///
+    /// # Errors
+    /// As [`crate::mesh::TriangleMesh::repaired`], but for what it says of areas.
+    pub fn new(vertices: Vec<[f64; 3]>, triangles: &[[i64; 3]], repair: &Repair) -> Result<Self> {
+        if let Some(tolerance) = repair.weld {
+            check_tolerance(tolerance)?;
+        }
+        check_count(&vertices)?;
+        let broken = broken_vertices(&vertices);
+        if let (Some(&first), Broken::Refuse) = (broken.first(), repair.broken) {
+            return Err(Error::NonFiniteVertices {
+                position: vertices[first],
+                vertices: broken,
+            });
+        }
+        let triangles = checked_triangles(triangles, vertices.len())?;
+        let mut repaired = Self {
+            vertices,
+            triangles,
+            weld_map: None,
+            findings: None,
+        };
+        if !broken.is_empty() {
+            repaired.drop_vertices(&broken)?;
+        }
+        if let Some(tolerance) = repair.weld {
+            repaired.weld(tolerance);
+        }
+        Ok(repaired)
+    }
+
+    fn drop_vertices(&mut self, broken: &[usize]) -> Result<()> {
+        let mut is_left = vec![true; self.vertices.len()];
+        for &vertex in broken {
+            is_left[vertex] = false;
+        }
+        let before = self.triangles.len();
+        let is_whole = |triangle: &&[u32; 3]| triangle.iter().all(|&v| is_left[v as usize]);
+        let left: Vec<_> = self.triangles.iter().filter(is_whole).copied().collect();
+        if left.is_empty() {
+            return Err(Error::Unusable(format!(
+                "all {} of the mesh have a vertex that is not finite",
+                counted(before, "triangle")
+            )));
+        }
+        self.findings = Some(Findings {
+            dropped_vertices: broken.len(),
+            dropped_triangles: before - left.len(),
+            ..Findings::default()
+        });
+        let mut count = 0;
+        let number = |is_left: bool| {
+            count += u32::from(is_left);
+            is_left.then(|| count - 1)
+        };
+        let map: WeldMap = is_left.iter().copied().map(number).collect();
+        self.renumber(left, map);
+        Ok(())
+    }
+
+    fn weld(&mut self, tolerance: f64) {
+        let vertices = std::mem::take(&mut self.vertices);
+        let surface = Surface::welded(vertices, self.triangles.to_vec(), tolerance);
+        let is_first = |vertex: usize| surface.place[vertex] as usize == vertex;
+        let mut members = vec![0_u32; surface.place.len()];
+        for &place in &surface.place {
+            members[place as usize] += 1;
+        }
+        let joined = surface.place.iter();
+        let joined = joined.filter(|&&place| members[place as usize] > 1).count();
+        self.findings = Some(Findings {
+            border_corners: surface.border_vertices,
+            joined_corners: joined,
+            closed_junctions: surface.junctions,
+            open_edges_before: surface.open_edges,
+            ..self.findings.unwrap_or_default()
+        });
+        let mut count = 0;
+        let mut numbers = vec![0; surface.place.len()];
+        for vertex in (0..numbers.len()).filter(|&vertex| is_first(vertex)) {
+            numbers[vertex] = count;
+            count += 1;
+        }
+        let map = surface.place.iter();
+        let map = map.map(|&place| Some(numbers[place as usize])).collect();
+        let (vertices, triangles) = (surface.vertices, surface.triangles);
+        self.vertices = vertices;
+        match joined {
+            0 => self.triangles = triangles.into(),
+            _ => self.renumber(triangles, map),
+        }
+    }
+
+    /// Takes these `triangles`, and every vertex by its new number; of those that get the same one
+    /// the first stays. Their corners have a number.
+    fn renumber(&mut self, triangles: Vec<[u32; 3]>, map: WeldMap) {
+        let number = |vertex: u32| map[vertex as usize].expect("corners are left");
+        self.triangles = triangles.into_iter().map(|t| t.map(number)).collect();
+        let mut count = 0;
+        let numbered = std::mem::take(&mut self.vertices).into_iter().zip(&map);
+        let left = numbered.filter(|(_, number)| {
+            let is_new = **number == Some(count);
+            count += u32::from(is_new);
+            is_new
+        });
+        self.vertices = left.map(|(position, _)| position).collect();
+        let earlier = self.weld_map.take();
+        self.weld_map = Some(match earlier {
+            None => map,
+            Some(earlier) => {
+                let then = |number: Option<u32>| number.and_then(|number| map[number as usize]);
+                earlier.into_iter().map(then).collect()
+            }
+        });
+    }
+}
+
+/// Refuses a map to other vertices than the first `vertex_count`.
+pub(super) fn check_weld_map(map: &[Option<u32>], vertex_count: usize) -> Result<()> {
+    let is_stray = |place: &Option<u32>| place.is_some_and(|place| place as usize >= vertex_count);
+    match map.iter().position(is_stray) {
+        None => Ok(()),
+        Some(vertex) => Err(Error::Argument(format!(
+            "the map of vertices leads from {vertex} out of the {}",
+            counted_as(vertex_count, "vertex", "vertices")
+        ))),
+    }
+}
+
+/// Refuses more vertices than triangles can refer to.
+fn check_count(vertices: &[[f64; 3]]) -> Result<()> {
+    match u32::try_from(vertices.len()) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(Error::Unusable(format!(
+            "the mesh has {} vertices; the limit is {}",
+            grouped(vertices.len()),
+            u32::MAX
+        ))),
+    }
+}
+
+/// The vertices that are not finite, or beyond 1e100.
+fn broken_vertices(vertices: &[[f64; 3]]) -> Vec<usize> {
+    let is_broken = |vertex: &usize| !vertices[*vertex].iter().all(|x| has_usable_size(*x));
+    (0..vertices.len()).filter(is_broken).collect()
+}
+
+fn checked_triangles(triangles: &[[i64; 3]], vertex_count: usize) -> Result<Arc<[[u32; 3]]>> {
+    if triangles.is_empty() {
+        return Err(Error::Unusable("the mesh has no triangles".into()));
+    }
+    if vertex_count == 0 {
+        let message = "the mesh has triangles but no vertices";
+        return Err(Error::Unusable(message.into()));
+    }
+    let valid = 0..vertex_count as i64;
+    let stray = |triangle: usize| triangles[triangle].iter().find(|i| !valid.contains(i));
+    let broken = |triangle: &usize| stray(*triangle).is_some();
+    let broken: Vec<_> = (0..triangles.len()).filter(broken).collect();
+    if let Some(&index) = broken.first().and_then(|&first| stray(first)) {
+        return Err(Error::IndicesOutOfRange {
+            triangles: broken,
+            index,
+            last: vertex_count - 1,
+        });
+    }
+    Ok(triangles
+        .iter()
+        .map(|t| t.map(|index| index as u32))
+        .collect())
+}
