@@ -6,15 +6,16 @@ from pathlib import Path
 import bpy
 import spectral_tv
 
-from ..files.whole import written
 from ..images import pixels
 from ..images.bands import Choice, prepare, write
 from ..images.properties import METRICS
 from ..scene.objects import Refusal
-from .arguments import EXIT_CODES, positive, whole
+from .arguments import EXIT_CODES, add_report, positive, whole
 from .decompose import add_gains, band_values, complaint_of_gains
 from .progress import progress, say
+from .report import Entry
 from .verb import Command
+from .writing import written_by_blender
 
 # What Blender calls the formats it writes, by suffix.
 FORMATS = {
@@ -91,6 +92,7 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
         )
         add("--exact", action="store_true", help="follow total variation exactly; slower")
         add_gains(parser)
+        add_report(parser)
         parser.set_defaults(run=self._run, parser=parser)
 
     def complaint(self, choices: argparse.Namespace) -> str | None:
@@ -110,7 +112,7 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
             return "an input would be overwritten"
         return complaint_of_gains(choices, choices.bands, choices.steps)
 
-    def _treat_file(self, choices: argparse.Namespace, source: Path) -> None:
+    def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
         if not source.is_file():
             raise Refusal("there is no such file")
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
@@ -128,8 +130,9 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
         target = _target(choices, source)
         result = bpy.data.images[name]
         result.file_format = FORMATS[target.suffix.lower()]
-        with written(target) as path:
+        with written_by_blender(target) as path:
             result.save(filepath=str(path))
+        entry.output = str(target)
         say(f"{source}: wrote {target}")
 
 

@@ -12,6 +12,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -91,14 +92,17 @@ def blender(tmp_path_factory) -> Callable[..., subprocess.CompletedProcess[str]]
     command = blender_command()
     resources = str(tmp_path_factory.mktemp("resources"))
 
-    def run(*arguments: str, check: bool = True) -> subprocess.CompletedProcess[str]:
+    def run(
+        *arguments: str, check: bool = True, **options: Any
+    ) -> subprocess.CompletedProcess[str]:
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         done = subprocess.run(
             [*command, *arguments],
             env={**os.environ, "BLENDER_USER_RESOURCES": resources},
-            capture_output=True,
             text=True,
             check=False,
             timeout=600,
+            **{**streams, **options},
         )
         assert done.returncode == 0 or not check, done.stdout + done.stderr
         return done

@@ -13,12 +13,19 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from command_line_files import empty
 from disks import disk, protect
 
 _package = "bl_ext.user_default.spectral_tv.files"
 whole = import_module(f"{_package}.whole")
 checks = import_module(f"{_package}.checks")
 NotWritten, written, ensure_writable = whole.NotWritten, whole.written, whole.ensure_writable
+
+
+@pytest.fixture(autouse=True)
+def _leave_an_empty_file():
+    yield
+    empty()
 
 
 def write(target: Path, text: str) -> None:
