@@ -55,6 +55,22 @@ class Known:
         return cls(single, [key for key in baked if key is not None], kept)
 
 
+def recognised(obj: bpy.types.Object) -> list[tuple[Fingerprint, str]]:
+    """What was written and is there as it was, with its name today."""
+    deformation = deformation_of(obj)
+    prints = [deformation, *deformation.baked]
+    likes = recognise(obj, "KEY", prints)
+    pairs = zip(prints, likes, strict=True)
+    return [(each, name) for each, (name, likeness) in pairs if likeness == Likeness.SAME]
+
+
+def renew(obj: bpy.types.Object, found: Sequence[tuple[Fingerprint, str]]) -> None:
+    """Have the records follow keys, found before, to what they hold now."""
+    for each, name in found:
+        each.take(obj, "KEY", name)
+    deformation_of(obj).vertex_count = len(obj.data.vertices)
+
+
 def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
     """The shape key of the last deformation, renamed or not; None if it is gone or the user's."""
     deformation, keys = deformation_of(obj), obj.data.shape_keys
