@@ -1,14 +1,16 @@
 """The constraints of an object as the arrays of a deformation."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
 import numpy as np
 
+from ..scene.coordinates import basis_coordinates
+from ..scene.notes import note
 from ..scene.objects import Refusal
-from ..scene.records import coordinates
-from ..scene.surface import basis_coordinates
-from .constraints import SpectralTVConstraint, deformation_of
+from ..scene.shape_keys import key_shape
+from .constraints import SpectralTVConstraint, identified
 
 # Painted weights reach 1 and 0 but for rounding.
 EXACT, NOTHING = 0.999, 1e-3
@@ -18,7 +20,8 @@ EXACT, NOTHING = 0.999, 1e-3
 class Handles:
     """Constrained vertices: ``indices`` (K,) in the object, ``weights`` (K,) in (0, 1].
 
-    ``owners`` (K,) tells whose constraint each is, ``positions`` (K, 3) where it is in Basis.
+    ``owners`` (K,) are the identifiers of their constraints, ``positions`` (K, 3) where they are
+    in Basis.
     """
 
     indices: np.ndarray
@@ -32,16 +35,21 @@ class Handles:
 
         Raises Refusal if there are none, or a group is missing or empty.
         """
-        constraints = deformation_of(obj).constraints
+        constraints = identified(obj)
         if not constraints:
             raise Refusal("it has no constraints; pin a vertex group and add a handle")
-        groups = [_group_index(obj, constraint) for constraint in constraints]
+        groups = [_group_index(obj, constraint) for constraint in constraints.values()]
         weights = group_weights(obj, set(groups))
         indices, owners, values = [], [], []
-        for owner, (constraint, group) in enumerate(zip(constraints, groups, strict=True)):
+        for (owner, constraint), group in zip(constraints.items(), groups, strict=True):
             found, weight = weights[group]
             if not len(found):
                 raise Refusal(f"the vertex group {constraint.vertex_group!r} is empty")
+            if constraint.kind == "PIN" and weight.max() < 1:
+                note(
+                    f"no vertex of the pin {constraint.vertex_group!r} has the weight 1, it gives "
+                    f"way: the largest is {weight.max():.2g}"
+                )
             indices.append(found)
             values.append(weight)
             owners.append(np.full(len(found), owner))
@@ -49,43 +57,30 @@ class Handles:
         basis = basis_coordinates(obj.data)
         return cls(every, np.concatenate(values), np.concatenate(owners), basis[every])
 
+    @cached_property
+    def _read(self) -> set[int]:
+        """Identifiers of the constraints that were read."""
+        return set(np.unique(self.owners).tolist())
+
     def targets(self, obj: bpy.types.Object) -> np.ndarray:
         """Where the constraints of ``obj`` take the vertices now, in object space, (K, 3).
 
-        Raises Refusal if what they follow is missing, or two send a vertex to different places.
+        Raises Refusal if what they follow is missing, or a constraint was added or removed since
+        they were read.
         """
-        constraints = deformation_of(obj).constraints
+        constraints = identified(obj)
+        if set(constraints) != self._read:
+            raise Refusal("its constraints changed")
+        graph = bpy.context.evaluated_depsgraph_get()
         targets = self.positions.copy()
-        for owner, constraint in enumerate(constraints):
+        for owner, constraint in constraints.items():
             mine = self.owners == owner
             if constraint.kind == "OBJECT":
-                motion = np.array(constraint.motion(), dtype=np.float64)
+                motion = constraint.motion(graph)
                 targets[mine] = self.positions[mine] @ motion[:3, :3].T + motion[:3, 3]
             elif constraint.kind == "KEY":
                 targets[mine] = _key_positions(obj, constraint)[self.indices[mine]]
-        self._check_overlaps(targets, constraints)
         return targets
-
-    def _check_overlaps(self, targets: np.ndarray, constraints) -> None:
-        exact = np.flatnonzero(self.weights == 1)
-        vertices, first, inverse = np.unique(
-            self.indices[exact], return_index=True, return_inverse=True
-        )
-        if len(vertices) == len(exact):
-            return
-        other = exact[first][inverse.ravel()]
-        scale = np.ptp(self.positions, axis=0).max()
-        apart = np.abs(targets[exact] - targets[other]).max(axis=1) > 1e-6 * scale
-        if apart.any():
-            entry = int(np.argmax(apart))
-            one, two = (
-                constraints[self.owners[index]].vertex_group
-                for index in (other[entry], exact[entry])
-            )
-            raise Refusal(
-                f"{np.count_nonzero(apart)} vertices, such as {self.indices[exact[entry]]}, are in "
-                f"both {one!r} and {two!r}, which go to different places"
-            )
 
 
 def group_weights(
@@ -122,4 +117,4 @@ def _key_positions(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> n
     keys = obj.data.shape_keys
     if keys is None or constraint.shape_key not in keys.key_blocks:
         raise Refusal(f"there is no shape key {constraint.shape_key!r} to move to")
-    return coordinates(keys.key_blocks[constraint.shape_key].data).reshape(-1, 3).astype(float)
+    return key_shape(keys.key_blocks[constraint.shape_key])

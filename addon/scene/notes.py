@@ -30,6 +30,15 @@ def listed(names: Iterable[str]) -> str:
 
 
 @contextmanager
+def about(name: str) -> Iterator[None]:
+    """Say in all notes meanwhile which of several objects they are about."""
+    with gathered() as found:
+        yield
+    for text in found:
+        note(f"{name}: {text}")
+
+
+@contextmanager
 def gathered() -> Iterator[list[str]]:
     """Yield the list that all notes go into meanwhile."""
     found: list[str] = []

@@ -34,6 +34,7 @@ from spectral_tv._native import (
     cosegment,
     decompose,
     decompose_image,
+    default_base_time,
     default_scales,
     deform,
     eigenpairs,
@@ -41,6 +42,7 @@ from spectral_tv._native import (
     estimate,
     flow,
     graded_times,
+    set_threads,
     start_accuracy,
     start_caricature,
     start_cosegment,
@@ -49,8 +51,10 @@ from spectral_tv._native import (
     start_deform,
     start_eigenset_test,
     start_flow,
+    threads,
     total_variation,
 )
+from spectral_tv._threads import use_threads
 
 __all__ = [
     "Accuracy",
@@ -73,6 +77,7 @@ __all__ = [
     "cosegment",
     "decompose",
     "decompose_image",
+    "default_base_time",
     "default_scales",
     "deform",
     "eigenpairs",
@@ -80,6 +85,7 @@ __all__ = [
     "estimate",
     "flow",
     "graded_times",
+    "set_threads",
     "start_accuracy",
     "start_caricature",
     "start_cosegment",
@@ -88,5 +94,7 @@ __all__ = [
     "start_deform",
     "start_eigenset_test",
     "start_flow",
+    "threads",
     "total_variation",
+    "use_threads",
 ]

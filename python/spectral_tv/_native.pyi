@@ -25,6 +25,7 @@ __all__ = [
     "cosegment",
     "decompose",
     "decompose_image",
+    "default_base_time",
     "default_scales",
     "deform",
     "eigenpairs",
@@ -32,6 +33,7 @@ __all__ = [
     "estimate",
     "flow",
     "graded_times",
+    "set_threads",
     "start_accuracy",
     "start_caricature",
     "start_cosegment",
@@ -40,6 +42,7 @@ __all__ = [
     "start_deform",
     "start_eigenset_test",
     "start_flow",
+    "threads",
     "total_variation",
 ]
 __version__: str
@@ -237,7 +240,7 @@ class Job:
     @property
     def done(self) -> bool: ...
     def cancel(self) -> None: ...
-    def result(self) -> Any: ...
+    def result(self, progress: _Progress | None = None) -> Any: ...
 
 def decompose(
     mesh: Mesh,
@@ -326,6 +329,7 @@ def accuracy(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    metric: Literal["surface", "base"] = "surface",
 ) -> Accuracy: ...
 def start_accuracy(
     mesh: Mesh,
@@ -341,6 +345,7 @@ def start_accuracy(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    metric: Literal["surface", "base"] = "surface",
 ) -> Job: ...
 def eigenpairs(
     mesh: Mesh, count: int, progress: _Progress | None = None
@@ -426,5 +431,10 @@ def conformal_flow(
     solver: _Solver = "auto",
 ) -> NDArray[np.float64]: ...
 def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
+def default_base_time() -> float: ...
 def default_scales(method: _Method, eigenpairs: int = 300) -> tuple[float, float]: ...
 def graded_times(finest: float, largest: float, steps: int = 32) -> NDArray[np.float64]: ...
+def set_threads(count: int | None) -> None: ...
+def threads() -> int: ...
+def _use_threads(count: int | None) -> int | None: ...
+def _restore(class_: str, format: int, version: str, parts: dict[str, Any]) -> Any: ...

@@ -12,6 +12,7 @@ mod laplace_beltrami;
 mod law;
 mod line;
 mod means;
+mod origin;
 mod prediction;
 mod proximal;
 mod proximal_newton;
@@ -24,8 +25,10 @@ mod velocity;
 
 pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
 pub use heat::Heat;
+pub use increment::Increment;
 pub use laplace_beltrami::Eigenpairs;
 pub use law::Law;
+pub(crate) use origin::without;
 pub use proximal::proximal_flow;
 pub(crate) use recorder::{check_steps, check_times};
 pub use semi_implicit::{Weights, semi_implicit_flow};

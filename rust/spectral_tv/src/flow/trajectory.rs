@@ -2,9 +2,9 @@
 
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size, unusable_values};
 use crate::flow::increment::{Increment, Precision};
-use crate::flow::recorder::{Recorder, Solution};
+use crate::flow::recorder::{Recorder, Solution, check_times};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, total_variation};
 
@@ -28,7 +28,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// A flow from `initial` (C, V) whose states are known: `state` gives u(t_k) for k > 0.
+    /// A flow from `initial` (C, V) whose states are known: `state` gives u(t_k) for k > 0, less the
+    /// constant (C) that it is given.
     ///
     /// # Errors
     /// If the times do not increase from 0, a value is not finite, or the monitor was cancelled.
@@ -37,12 +38,12 @@ impl Trajectory {
         times: &[f64],
         initial: Array2<f64>,
         stage: Stage,
-        mut state: impl FnMut(usize) -> Array2<f64>,
+        mut state: impl FnMut(usize, &Array1<f64>) -> Array2<f64>,
     ) -> Result<Self> {
         let mut record = Recorder::new(operators, initial, times)?;
         for k in 1..times.len() {
             stage.report(k as f64 / times.len() as f64)?;
-            let state = state(k);
+            let state = state(k, record.origin());
             let variation = total_variation(operators.gradient(), state.view());
             let solution = Solution {
                 state,
@@ -54,6 +55,52 @@ impl Trajectory {
         }
         stage.report(1.0)?;
         Ok(record.finish())
+    }
+
+    /// A flow of what another was made of: the state `initial` (C, V), N increments (C, V), and what
+    /// was measured.
+    ///
+    /// # Errors
+    /// If shapes do not go together, the times do not increase from 0, or a number is not finite,
+    /// or beyond 1e100.
+    pub fn restored(
+        times: Vec<f64>,
+        initial: Array2<f64>,
+        increments: Vec<Increment>,
+        total_variation: Vec<f64>,
+        gaps: Vec<f64>,
+    ) -> Result<Self> {
+        check_times(&times)?;
+        let steps = times.len() - 1;
+        let have_counts =
+            increments.len() == steps && total_variation.len() == steps + 1 && gaps.len() == steps;
+        let dimensions = initial.dim();
+        let have_shapes = increments.iter().all(|step| step.dim() == dimensions);
+        if !have_counts || !have_shapes || initial.is_empty() {
+            let message = "the parts of the flow have numbers or shapes that do not go together";
+            return Err(Error::Argument(message.into()));
+        }
+        let is_whole = unusable_values(initial.view()).is_none()
+            && increments.iter().all(Increment::is_usable)
+            && total_variation.iter().all(|value| value.is_finite())
+            && gaps.iter().all(|value| has_usable_size(*value));
+        match is_whole {
+            true => Ok(Self {
+                times,
+                initial,
+                increments,
+                total_variation,
+                gaps,
+            }),
+            false => Err(Error::Argument(
+                "the flow has numbers that are not finite, or beyond 1e100".into(),
+            )),
+        }
+    }
+
+    /// u(t_{k+1}) − u(t_k), N.
+    pub fn increments(&self) -> &[Increment] {
+        &self.increments
     }
 
     /// Number of channels C.
@@ -73,10 +120,11 @@ impl Trajectory {
 
     /// u(t_k) for k = 0 … N, (C, V) each, added up on the way.
     pub fn states(&self) -> impl Iterator<Item = Array2<f64>> + '_ {
-        let mut state = self.initial.clone();
+        // Apart from the first, which may be far from 0: every sum would take digits.
+        let mut change = Array2::zeros(self.initial.dim());
         let later = self.increments.iter().map(move |increment| {
-            increment.add_to(1.0, &mut state);
-            state.clone()
+            increment.add_to(1.0, &mut change);
+            &self.initial + &change
         });
         std::iter::once(self.initial.clone()).chain(later)
     }
@@ -88,6 +136,14 @@ impl Trajectory {
                 increment.add_to(factor, sum);
             }
         }
+    }
+
+    /// u(0) + Σ_k a_k (u(t_{k+1}) − u(t_k)), (C, V), for the N `factors` a_k.
+    pub fn combined(&self, factors: &[f64]) -> Array2<f64> {
+        let mut sum = Array2::zeros(self.initial.dim());
+        self.add_increments(factors, &mut sum);
+        sum += &self.initial;
+        sum
     }
 
     /// Mean of u(t_k) over the surface weighted by `weights` (V), (N + 1, C): the value of a set
