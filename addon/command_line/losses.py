@@ -79,7 +79,7 @@ def _materials(_things: Sequence[Thing], _suffix: str) -> str | None:
 
 
 def _normals(_things: Sequence[Thing], _suffix: str) -> str | None:
-    return "custom normals per vertex: they are means over its faces"
+    return "one normal per vertex: custom ones of its corners are lost"
 
 
 def _attributes(things: Sequence[Thing], suffix: str) -> str | None:

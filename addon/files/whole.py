@@ -129,12 +129,29 @@ def _make_sure(target: Path, temporary: Path, check: Callable[[Path], None]) -> 
     if not temporary.is_file():
         raise NotWritten(target, "nothing was written")
     check(temporary)
+    if _is_full(temporary.parent) and _has_hole(temporary):
+        raise Torn("it has holes")
     _sync(temporary, os.O_RDWR)
 
 
+def _is_full(folder: Path) -> bool:
+    return shutil.disk_usage(folder).free < FULL
+
+
+def _has_hole(path: Path) -> bool:
+    """Whether a part of a file was never written, where the system can tell."""
+    if not hasattr(os, "SEEK_HOLE"):
+        return False
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        try:
+            return size > 0 and os.lseek(file.fileno(), 0, os.SEEK_HOLE) < size
+        except OSError:
+            return False
+
+
 def _cut_short(error: Torn, folder: Path) -> str:
-    is_full = shutil.disk_usage(folder).free < FULL
-    return f"it was cut short ({error})" + (", as its disk is full" if is_full else "")
+    return f"it was cut short ({error})" + (", as its disk is full" if _is_full(folder) else "")
 
 
 def _sync(path: Path, flags: int = os.O_RDONLY) -> None:

@@ -60,7 +60,8 @@ def test_an_output_that_does_not_fit_is_no_success(tmp_path: Path, capfd, suffix
         assert content(place) == before
     error = capfd.readouterr().err.splitlines()[-1]
     assert f"out{suffix} cannot be written: " in error
-    assert os.strerror(errno.ENOSPC) in error or "its disk is full" in error
+    if suffix != ".blend" or bpy.app.version >= (5, 0):  # older ones do not say why
+        assert os.strerror(errno.ENOSPC) in error or "its disk is full" in error
 
 
 def test_a_picture_that_does_not_fit_is_no_success(tmp_path: Path, capfd):
@@ -141,7 +142,7 @@ def counted(command: list[str], moment: int = -1, number: int = 0) -> tuple[int,
 
 @pytest.mark.parametrize(
     ("suffix", "name"),
-    [(".gltf", "SIGINT"), (".obj", "SIGTERM"), (".blend", "SIGINT"), (".usdc", "SIGTERM")],
+    [(".gltf", "SIGINT"), (".obj", "SIGTERM"), (".blend", "SIGINT"), (".fbx", "SIGTERM")],
 )
 def test_a_signal_at_any_moment_leaves_all_of_the_output_or_what_was_before(
     tmp_path: Path, suffix, name
@@ -194,7 +195,7 @@ def broken_pipe() -> dict:
     return {"stdout": write, "stderr": write}
 
 
-@pytest.mark.skipif(IN_BLENDER, reason="starts Python with the bpy package")
+@pytest.mark.skipif(IN_BLENDER, reason="starts Python with bpy")
 @pytest.mark.parametrize("streams", [closed_error, broken_pipe])
 def test_lost_messages_are_no_failure(tmp_path: Path, streams):
     source = ball(tmp_path / "ball.ply", 3)

@@ -388,7 +388,7 @@ CONTENT = {
 PARTS = {
     ("colours", "8 bits"): ("8 bits: Paint lost digits", None),
     ("materials", "names"): ("the names of materials alone", None),
-    ("normals", "per vertex"): ("custom normals per vertex", None),
+    ("normals", "per vertex"): ("one normal per vertex", None),
     ("attributes", "not of edges"): ("no custom attributes of edges; left out: width", None),
     ("attributes", "of vertices"): ("of vertices alone; left out: ", None),
     ("groups", "as attributes"): (None, None),
@@ -448,6 +448,8 @@ def test_what_a_format_holds_comes_out_and_the_rest_is_told(tmp_path: Path, capf
             assert f"holds one of its {label}" in told
         elif (kind, word) in PARTS:
             text, count = PARTS[kind, word]
+            if kind == "normals" and bpy.app.version < (5, 0):  # which writes those of the shape
+                count = 0
             assert text is None or text in told, suffix
             assert same(expected[:count], content.read()[:count], content.exact), suffix
         elif word == formats.APPLIED:

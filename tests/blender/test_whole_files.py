@@ -147,6 +147,16 @@ def test_what_is_not_whole_is_not_put_in_place(tmp_path: Path):
     assert content(tmp_path) == {"a.stl": "before"}
 
 
+def test_a_file_with_parts_that_did_not_fit_is_not_put_in_place(tmp_path: Path):
+    """Some writers go on after a part failed: the file is as long as it should be."""
+    with disk(tmp_path / "disk", 40) as place:
+        with pytest.raises(NotWritten, match="it has holes"), written(place / "a.txt") as path:
+            path.write_bytes(bytes(20_000))
+            os.truncate(path, 200_000)
+            (place / "rest").write_bytes(bytes(16_000))
+        assert list(content(place)) == ["rest"]
+
+
 def test_the_files_of_others_are_not_overwritten(tmp_path: Path):
     (tmp_path / "wood.png").write_text("another picture")
     target = tmp_path / "a.txt"
