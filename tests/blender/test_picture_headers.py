@@ -33,7 +33,8 @@ def keep(capfd):
         return "\n".join(
             line.removeprefix(f"{source}: ")
             for line in lines
-            if line.startswith(f"{source}: ") and not line.endswith((" %", f"wrote {target}"))
+            if line.startswith(f"{source}: ")
+            and not line.endswith((" %", f"wrote {target}", "it keeps every band"))
         )
 
     return run_it
