@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bpy
 
+from ..files.whole import ensure_writable
 from ..images import colors
 from ..images.bands import Choice, filtered, prepare
 from ..images.formats import BY_SUFFIX, DEPTHS, FORMATS
@@ -17,7 +18,7 @@ from .arguments import EXIT_CODES, add_report, positive, whole
 from .decompose import add_gains, band_values, complaint_of_gains
 from .progress import progress, say
 from .report import Entry
-from .verb import Command
+from .verb import Command, settings_of
 from .writing import written_by_blender
 
 # Formats and their depths, for the help.
@@ -132,16 +133,19 @@ the color space of the input, as far as its format has them; only .exr gets scen
         return reason or complaint_of_gains(choices, choices.bands, choices.steps)
 
     def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
+        target = _target(choices, source)
         if not source.is_file():
             raise Refusal("there is no such file")
+        ensure_writable(target.absolute())
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         picture = read_picture(source, choices.colorspace)
+        entry.read = picture.told()
         choice = _choice(choices)
         prepared = prepare(picture.pixels, choice)
         with progress(str(source)) as show:
             flow = prepared.request.run(show)
         result = replace(picture, pixels=filtered(prepared, choice, flow))
-        target = _target(choices, source)
+        entry.done = {"verb": self.name, "settings": settings_of(choices)}
         with written_by_blender(target) as path:
             save_picture(result, path, choices.depth, choices.quality)
         entry.output = str(target)

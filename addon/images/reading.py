@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -31,6 +32,18 @@ class Picture:
 
     pixels: Pixels
     header: Header
+
+    def told(self) -> dict[str, Any]:
+        """What it is, for a report."""
+        height, width, _ = self.pixels.stored.shape
+        return {
+            "format": self.header.format,
+            "width": width,
+            "height": height,
+            "depth": self.header.depth,
+            "channels": (1 if self.header.is_grey else 3) + self.header.has_alpha,
+            "colorspace": self.pixels.space,
+        }
 
 
 def read_picture(path: Path, space: str | None = None) -> Picture:

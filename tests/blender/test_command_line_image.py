@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import bpy
@@ -71,6 +72,28 @@ def test_luminance_keeps_the_differences_of_the_channels(tmp_path: Path):
         assert np.abs(np.diff(after[..., channel : channel + 2], axis=2) - difference).max() <= 2
 
 
+def test_the_report_tells_what_was_read_done_and_lost(tmp_path: Path):
+    source, target = picture(tmp_path / "in.png"), tmp_path / "out.exr"
+    report = tmp_path / "report.jsonl"
+    assert run(["image", str(source), "-o", str(target), *QUICK, "--report", str(report)]) == 0
+    (line,) = map(json.loads, report.read_text().splitlines())
+    assert (line["status"], line["output"]) == ("done", str(target))
+    assert line["read"] == {
+        "format": "PNG", "width": 50, "height": 40, "depth": "8", "channels": 3,
+        "colorspace": "sRGB",
+    }  # fmt: skip
+    assert line["done"]["settings"]["bands"] == 3
+    assert line["warnings"] == ["its colors were converted from sRGB to Linear Rec.709"]
+
+
+def test_a_folder_gets_pictures_of_another_format(tmp_path: Path):
+    names = [str(picture(tmp_path / name)) for name in ("one.png", "two.png")]
+    folder = tmp_path / "out"
+    folder.mkdir()
+    assert run(["image", *names, "-o", str(folder), "--format", "TIF", *QUICK]) == 0
+    assert sorted(path.name for path in folder.iterdir()) == ["one.tif", "two.tif"]
+
+
 def test_failures_and_wrong_arguments(tmp_path: Path, capfd):
     good = picture(tmp_path / "good.png")
     broken = tmp_path / "broken.png"
@@ -91,6 +114,12 @@ def test_failures_and_wrong_arguments(tmp_path: Path, capfd):
         ([str(good), "-o", str(tmp_path / "no" / "a.png")], "there is no folder"),
         ([str(good), "-o", str(folder), "--gain", "6=0"], "there is no band 6 among 5"),
         ([str(good), "-o", str(folder), "--height", "0"], "'0' is not a number"),
+        ([str(good), "-o", str(folder), "--depth", "half"], "depth of a .png is 8 or 16, not half"),
+        ([str(good), "-o", str(tmp_path / "a.png"), "--format", "tif"], "--format goes with -o"),
+        ([str(good), "-o", str(folder), "--format", "gif"], "choose another with --format"),
+        ([str(good), "-o", str(folder), "--colorspace", "RGB"], "there is no color space 'RGB'"),
+        ([str(good), "-o", str(folder), "--quality", "0"], "'0' is not a number from 1 to 100"),
+        ([str(good), str(tmp_path / "x" / "good.png"), "-o", str(folder)], "two inputs would"),
     ):
         output = [] if "-o" in arguments else ["-o", str(tmp_path / "a.png")]
         assert run(["image", *arguments, *output]) == 2
