@@ -68,6 +68,7 @@ def test_pictures_come_out_as_they_are_seen(suffix, orientation, tmp_path, keep)
     seen = np.asarray(ImageOps.exif_transpose(Image.open(source)))
     np.testing.assert_allclose(pictures.read(tmp_path / "out.png"), seen, atol=3)
     assert ("turned upright" in told) == (orientation > 1)
+    assert "EXIF" not in told
 
 
 @pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif"])

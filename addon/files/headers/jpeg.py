@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from ..checks import Torn
 from .header import AS_RGB, Header
-from .tiff import METRES, orientation_of
+from .tiff import METRES, orientation_of, tells_more
 
 APP0, APP1, APP2, SCAN = 0xE0, 0xE1, 0xE2, 0xDA
 # Markers of frames, and those among them that are none.
@@ -28,8 +28,10 @@ def read(data: bytes) -> Header:
         elif marker == APP0 and part.startswith(JFIF):
             resolution = _resolution(part)
         elif marker == APP1 and part.startswith(EXIF):
-            orientation = orientation_of(part[len(EXIF) :])
-            unread.append("EXIF data")
+            exif = part[len(EXIF) :]
+            orientation = orientation_of(exif)
+            if tells_more(exif):
+                unread.append("EXIF data")
         elif marker == APP1 and part.startswith(XMP):
             unread.append("XMP data")
         elif marker == APP2 and part.startswith(ICC):

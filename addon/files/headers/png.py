@@ -6,14 +6,13 @@ from collections.abc import Iterator
 
 from ..checks import Torn
 from .header import Header
-from .tiff import orientation_of
+from .tiff import orientation_of, tells_more
 
 GREY, GREY_ALPHA, COLOR_ALPHA = 0, 4, 6
 METRE = 1
 # What is assumed of a file that does not tell its gamma: 1/2.2, times 100000.
 USUAL_GAMMA = 45455
 UNREAD = {
-    b"eXIf": "EXIF data",
     b"tEXt": "texts",
     b"zTXt": "texts",
     b"iTXt": "texts",
@@ -27,6 +26,9 @@ def read(data: bytes) -> Header:
     parts = dict(_chunks(data))
     depth, kind = parts[b"IHDR"][8:10]
     unread = [text for name, text in UNREAD.items() if name in parts]
+    exif = parts.get(b"eXIf", b"")
+    if tells_more(exif):
+        unread.append("EXIF data")
     profile = None
     if b"iCCP" in parts:
         profile = zlib.decompress(parts[b"iCCP"].split(b"\0", 1)[1][1:])
@@ -39,7 +41,7 @@ def read(data: bytes) -> Header:
         depth="16" if depth == 16 else "8",
         is_grey=kind in (GREY, GREY_ALPHA),
         has_alpha=kind in (GREY_ALPHA, COLOR_ALPHA) or b"tRNS" in parts,
-        orientation=orientation_of(parts.get(b"eXIf", b"")),
+        orientation=orientation_of(exif),
         profile=profile,
         resolution=_resolution(parts.get(b"pHYs")),
         unread=tuple(dict.fromkeys(unread)),

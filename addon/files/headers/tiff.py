@@ -17,6 +17,8 @@ XMP, IPTC, EXIF, PROFILE = 700, 33723, 34665, 34675
 REAL, UNSIGNED = 3, 1
 ASSOCIATED = 1
 CMYK, PALETTE = 5, 3
+# What the picture itself tells, or is heeded.
+KNOWN = {256, 257, ORIENTATION, *RESOLUTION, UNIT, 531}
 # Metres of the units of resolution.
 METRES = {2: 0.0254, 3: 0.01}
 
@@ -47,6 +49,11 @@ class Directory:
         """Whether the page has the tag."""
         return tag in self._entries
 
+    @property
+    def tags(self) -> set[int]:
+        """All tags that the page has."""
+        return set(self._entries)
+
     def numbers(self, tag: int, default: float | None = None) -> tuple[float, ...]:
         """The numbers of a tag; the default, if there is one, of a tag that is not there."""
         if tag not in self._entries:
@@ -71,6 +78,14 @@ def orientation_of(exif: bytes) -> int:
         return _orientation(Directory(exif))
     except (Torn, LookupError, struct.error):
         return 1
+
+
+def tells_more(exif: bytes) -> bool:
+    """Whether EXIF data tell anything that a picture does not tell without them."""
+    try:
+        return bool(Directory(exif).tags - KNOWN)
+    except (Torn, LookupError, struct.error):
+        return bool(exif)
 
 
 def read(data: bytes) -> Header:

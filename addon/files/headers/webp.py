@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from ..checks import Torn
 from .header import Header, Unreadable
-from .tiff import orientation_of
+from .tiff import orientation_of, tells_more
 
 ANIMATED, ALPHA = 0x02, 0x10
 
@@ -21,16 +21,16 @@ def read(data: bytes) -> Header:
         has_alpha = bool(bits >> 28 & 1)
     else:
         has_alpha = bool(flags & ALPHA)
-    exif = parts.get(b"EXIF", b"")
-    names = ((b"EXIF", "EXIF data"), (b"XMP ", "XMP data"))
+    exif = parts.get(b"EXIF", b"").removeprefix(b"Exif\0\0")
+    told = (("EXIF data", tells_more(exif)), ("XMP data", b"XMP " in parts))
     return Header(
         format="WebP",
         depth="8",
         is_grey=False,
         has_alpha=has_alpha,
-        orientation=orientation_of(exif.removeprefix(b"Exif\0\0")),
+        orientation=orientation_of(exif),
         profile=parts.get(b"ICCP"),
-        unread=tuple(text for name, text in names if name in parts),
+        unread=tuple(text for text, is_there in told if is_there),
     )
 
 
