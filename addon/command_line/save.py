@@ -21,7 +21,7 @@ from .dress import dress_of
 from .formats import BLEND, FORMATS, a, call
 from .load import LONGEST_PATH, OFFSET, Source
 from .losses import tell_losses
-from .shown import Kept, dressed, shown
+from .shown import Kept, dressed, shown, unhooked
 from .textures import beside, folder_name
 from .writing import written_by_blender
 
@@ -110,7 +110,9 @@ def _exported(only: Sequence[bpy.types.Object] | None) -> Iterator[list[bpy.type
         left = [obj.name for obj in wanted if not obj.visible_get()]
         if only is not None and left:
             raise Refusal(f"{left[0]} is in a hidden collection, so it cannot be exported alone")
-        yield [obj for obj in wanted if obj.name not in left]
+        off = [item for obj in wanted for item in obj.modifiers if not item.show_viewport]
+        with unhooked(off):
+            yield [obj for obj in wanted if obj.name not in left]
     finally:
         for obj, is_hidden, is_off, is_selected in before:
             obj.select_set(is_selected)
@@ -179,8 +181,7 @@ def _export_gltf(place: Path, export: _Export) -> None:
     rigs = [obj for obj in export.objects if obj.type == "ARMATURE"]
     # Without animation the pose is seen where it is the rest.
     export.options["export_rest_position_armature"] = not rigs or any(map(is_animated, rigs))
-    animations = [item.animation_data for item in _animated_data() if item.animation_data]
-    if not any(animation.nla_tracks for animation in animations):
+    if not _has_takes():
         export.options["export_animation_mode"] = "ACTIVE_ACTIONS"  # they are played together
     if export.suffix == ".gltf":
         export.options["export_texture_dir"] = folder_name(place)
@@ -189,12 +190,21 @@ def _export_gltf(place: Path, export: _Export) -> None:
 
 
 def _export_fbx(place: Path, export: _Export) -> None:
-    if any(keys.animation_data for keys in bpy.data.shape_keys):
-        # One take for all of the animation: takes of single actions leave out shape keys.
+    if not _has_takes():
+        # One take of all that moves: takes of single actions begin at 0, without shape keys.
         export.options["bake_anim_use_nla_strips"] = False
         export.options["bake_anim_use_all_actions"] = False
     with _shown(export, export.meshes):
         export.call(place)
+
+
+def _has_takes() -> bool:
+    """Whether there is more animation than what is played."""
+    animations = [item.animation_data for item in _animated_data() if item.animation_data]
+    played = {animation.action for animation in animations}
+    return any(animation.nla_tracks for animation in animations) or any(
+        action not in played and action.users > 0 for action in bpy.data.actions
+    )
 
 
 def _export_abc(place: Path, export: _Export) -> None:

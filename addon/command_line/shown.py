@@ -5,7 +5,7 @@ keys or the modifiers. While they write, objects hold copies of their meshes in 
 is in the shape of the keys; then they have their own meshes again.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
@@ -64,7 +64,7 @@ def shown(
     except BaseException:
         bpy.data.batch_remove(list(copies.values()))
         raise
-    with _off(applied), _held(laid_out):
+    with _off(applied), unhooked(applied), _held(laid_out):
         yield
 
 
@@ -105,6 +105,19 @@ def _held(copies: dict[bpy.types.Object, bpy.types.Mesh]) -> Iterator[None]:
         for original, name in names.items():
             original.name = name
         bpy.context.view_layer.update()
+
+
+@contextmanager
+def unhooked(modifiers: Iterable[bpy.types.Modifier]) -> Iterator[None]:
+    """Have armatures let go of objects: exporters take them along even where they are off."""
+    before = [(item, item.object) for item in modifiers if item.type == "ARMATURE"]
+    try:
+        for modifier, _ in before:
+            modifier.object = None
+        yield
+    finally:
+        for modifier, rig in before:
+            modifier.object = rig
 
 
 @contextmanager
