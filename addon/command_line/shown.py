@@ -64,8 +64,21 @@ def shown(
     except BaseException:
         bpy.data.batch_remove(list(copies.values()))
         raise
+    _tell_instances(objects)
     with _off(applied), unhooked(applied), _held(laid_out):
         yield
+
+
+def _tell_instances(objects: Sequence[bpy.types.Object]) -> None:
+    """Note which objects show others by their modifiers, which are in no mesh."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    parents = {
+        item.parent.original.name
+        for item in graph.object_instances
+        if item.is_instance and item.parent is not None
+    }
+    if shown := [obj.name for obj in objects if obj.name in parents and len(obj.modifiers)]:
+        note(f"left out: instances that {listed(shown)} shows; realize them to keep them")
 
 
 @contextmanager
