@@ -38,7 +38,8 @@ hold constraints in the file are deformed by them.
 
 A .blend keeps the deformation as a shape key, the parts as vertex groups and constraints, and an
 empty per --move to drag on; .glb, .gltf and .fbx carry the shape key too. All other formats hold
-the deformed shape, with --frames that of the current frame."""
+the deformed shape. With --frames .abc and USD files play it, others have that of the current
+frame."""
     examples = """\
   blender --command spectral_tv deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
   blender --command spectral_tv deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10

@@ -189,3 +189,17 @@ def test_what_does_not_keep_its_vertices_or_does_not_move_is_refused(tmp_path: P
     assert run(["decompose", str(source), "-o", str(target), "--frames", "all", *QUICK]) == 1
     assert "only what keeps its vertices can be taken frame by frame" in capfd.readouterr().err
     assert not target.exists()
+
+
+@pytest.mark.parametrize("suffix", MOVING)
+def test_deformed_frames_are_played(tmp_path: Path, capfd, suffix):
+    source, target = write_monkey(tmp_path / "monkey.ply"), tmp_path / f"out{suffix}"
+    moves = ["--pin", "z<10%", "--move", "z>90%:0,0,1", "--frames", "1-9:4"]
+    assert run(["deform", str(source), "-o", str(target), *moves]) == 0
+    assert "holds no animation" not in capfd.readouterr().err
+    load(target)
+    heights = []
+    for frame in (1, 5, 9):
+        bpy.context.scene.frame_set(frame)
+        heights.append(seen()[:, 2].max())
+    np.testing.assert_allclose(np.diff(heights), 0.5, atol=1e-3)
