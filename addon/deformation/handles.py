@@ -1,5 +1,6 @@
 """The constraints of an object as the arrays of a deformation."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,7 @@ from ..scene.coordinates import basis_coordinates
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import key_shape
+from ..scene.weights import members
 from .constraints import SpectralTVConstraint, identified
 
 # Painted weights reach 1 and 0 but for rounding.
@@ -38,11 +40,12 @@ class Handles:
         constraints = identified(obj)
         if not constraints:
             raise Refusal("it has no constraints; pin a vertex group and add a handle")
-        groups = [_group_index(obj, constraint) for constraint in constraints.values()]
-        weights = group_weights(obj, set(groups))
+        for constraint in constraints.values():
+            _check_group(obj, constraint)
+        weights = group_weights(obj, {each.vertex_group for each in constraints.values()})
         indices, owners, values = [], [], []
-        for (owner, constraint), group in zip(constraints.items(), groups, strict=True):
-            found, weight = weights[group]
+        for owner, constraint in constraints.items():
+            found, weight = weights[constraint.vertex_group]
             if not len(found):
                 raise Refusal(f"the vertex group {constraint.vertex_group!r} is empty")
             if constraint.kind == "PIN" and weight.max() < 1:
@@ -84,33 +87,22 @@ class Handles:
 
 
 def group_weights(
-    obj: bpy.types.Object, groups: set[int]
-) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """Vertices and weights of vertex groups, by the groups' indices."""
-    found: dict[int, tuple[list[int], list[float]]] = {group: ([], []) for group in groups}
-    for vertex in obj.data.vertices:
-        for membership in vertex.groups:
-            if membership.group in found and membership.weight > NOTHING:
-                vertices, weights = found[membership.group]
-                vertices.append(vertex.index)
-                weights.append(membership.weight)
-    return {
-        group: (np.array(vertices, dtype=np.int64), _rounded(np.array(weights)))
-        for group, (vertices, weights) in found.items()
-    }
+    obj: bpy.types.Object, groups: Collection[str]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Vertices of vertex groups and their weights in (0, 1], by the groups' names."""
+    found = {}
+    for name, (vertices, weights) in members(obj, groups).items():
+        is_in = weights > NOTHING
+        rounded = np.where(weights >= EXACT, 1.0, weights.astype(np.float64))
+        found[name] = vertices[is_in].astype(np.int64), rounded[is_in]
+    return found
 
 
-def _rounded(weights: np.ndarray) -> np.ndarray:
-    return np.where(weights >= EXACT, 1.0, weights)
-
-
-def _group_index(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> int:
+def _check_group(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> None:
     if not constraint.vertex_group:
         raise Refusal("a constraint has no vertex group")
-    index = obj.vertex_groups.find(constraint.vertex_group)
-    if index < 0:
+    if constraint.vertex_group not in obj.vertex_groups:
         raise Refusal(f"there is no vertex group {constraint.vertex_group!r}")
-    return index
 
 
 def _key_positions(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> np.ndarray:

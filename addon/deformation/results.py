@@ -5,7 +5,7 @@ them is the user's. Either the one or the others are seen: all hold what the con
 and would add up.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -22,13 +22,12 @@ NAME = "Deformation"
 
 @dataclass(frozen=True)
 class Known:
-    """The keys of the last deformation, None if there is none, and of the last baking.
+    """The key of the last deformation and those of the last baking, None for those that are gone.
 
     ``kept`` are those that may be one of them, or hold the same, and are the user's now.
     """
 
-    single: bpy.types.ShapeKey | None
-    baked: list[bpy.types.ShapeKey]
+    found: list[bpy.types.ShapeKey | None]
     kept: list[bpy.types.ShapeKey]
 
     @classmethod
@@ -36,8 +35,8 @@ class Known:
         """Look at all keys of ``obj``."""
         deformation, keys = deformation_of(obj), obj.data.shape_keys
         if keys is None:
-            return cls(None, [], [])
-        prints = [deformation, *deformation.baked]
+            return cls([None], [])
+        prints = _prints(obj)
         # Where vertices came or went, contents say nothing and names all.
         is_edited = deformation.vertex_count not in (0, len(obj.data.vertices))
         found, kept = [], []
@@ -51,8 +50,17 @@ class Known:
             if key is None:
                 kept += [keys.key_blocks[name] for name in candidates]
             found.append(key)
-        single, *baked = found
-        return cls(single, [key for key in baked if key is not None], kept)
+        return cls(found, kept)
+
+    @property
+    def single(self) -> bpy.types.ShapeKey | None:
+        """The key of the last deformation."""
+        return self.found[0]
+
+    @property
+    def baked(self) -> list[bpy.types.ShapeKey]:
+        """The keys of the last baking that are there."""
+        return [key for key in self.found[1:] if key is not None]
 
 
 def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
@@ -79,6 +87,20 @@ def write(obj: bpy.types.Object, displacement: np.ndarray) -> bpy.types.ShapeKey
     deformation.take(obj, "KEY", key.name)
     deformation.vertex_count = len(obj.data.vertices)
     return key
+
+
+def known_names(obj: bpy.types.Object) -> dict[int, str]:
+    """Names of the keys that hold deformations, by their places in the record."""
+    found = Known.of(obj).found
+    return {place: key.name for place, key in enumerate(found) if key is not None}
+
+
+def renew(obj: bpy.types.Object, names: Mapping[int, str]) -> None:
+    """Take the fingerprints anew of keys, by their places in the record, that are now called so."""
+    prints = _prints(obj)
+    for place, name in names.items():
+        prints[place].take(obj, "KEY", name)
+    deformation_of(obj).vertex_count = len(obj.data.vertices)
 
 
 def keep(keys: Sequence[bpy.types.ShapeKey]) -> None:
@@ -123,6 +145,12 @@ def told(names: Sequence[str]) -> str:
     """Tell the first of several names, and how many more there are."""
     more = f" and {len(names) - 1} more" if len(names) > 1 else ""
     return f"{names[0]!r}{more}"
+
+
+def _prints(obj: bpy.types.Object) -> list[Fingerprint]:
+    """Fingerprints of the last deformation, and of each frame of the last baking."""
+    deformation = deformation_of(obj)
+    return [deformation, *deformation.baked]
 
 
 def _candidates(obj: bpy.types.Object, written: Fingerprint, name: str) -> list[str]:

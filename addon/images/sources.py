@@ -47,13 +47,18 @@ def read(image: bpy.types.Image) -> Pixels:
     has_alpha = image.channels == 4 and mode in ("STRAIGHT", "PREMUL")
     if not image.is_float:
         return Pixels(stored, space, has_alpha, is_associated=False)
-    match colors.kind_of(space):
-        case Kind.DATA:
-            return Pixels(stored, space, has_alpha, is_associated=mode == "PREMUL")
-        case Kind.LINEAR:
-            return Pixels(stored, colors.scene_linear(), has_alpha, is_associated=True)
-        case Kind.ENCODED:
-            return _encoded(image, stored, has_alpha)
+    is_associated = mode == "PREMUL"
+    kind = colors.kind_of(space)
+    # Blender converted the values when it read the file, not always so that they can be had back.
+    values = stored if kind is Kind.DATA else _of_file(image, stored)
+    if values is not None:
+        return Pixels(values, space, has_alpha, is_associated)
+    seen = Pixels(stored, colors.scene_linear(), has_alpha, is_associated=True)
+    if kind is Kind.LINEAR:
+        return seen
+    straight = seen.associated(False).stored.copy()
+    straight[..., :3] = colors.from_linear(straight[..., :3], space)
+    return Pixels(straight, space, has_alpha, is_associated=False)
 
 
 def state_of(image: bpy.types.Image) -> str:
@@ -76,25 +81,16 @@ def stored_in(image: bpy.types.Image) -> np.ndarray:
     return stored
 
 
-def _encoded(image: bpy.types.Image, stored: np.ndarray, has_alpha: bool) -> Pixels:
-    """Values in the image's own colour space, of what Blender converted on reading.
-
-    Its file has them exactly, if what is seen is what is in it.
-    """
-    space, mode = image.colorspace_settings.name, image.alpha_mode
-    if image.source == "FILE" and not image.is_dirty:
-        copy = image.copy()
-        try:
-            if (
-                tuple(copy.size) == tuple(image.size)
-                and copy.channels == image.channels
-                and np.array_equal(stored_in(copy), stored, equal_nan=True)
-            ):
-                colors.make_raw(copy)
-                return Pixels(stored_in(copy), space, has_alpha, is_associated=mode == "PREMUL")
-        finally:
-            bpy.data.images.remove(copy)
-    linear = Pixels(stored, space, has_alpha, is_associated=True).associated(False)
-    straight = linear.stored.copy()
-    straight[..., :3] = colors.from_linear(straight[..., :3], space)
-    return Pixels(straight, space, has_alpha, is_associated=False)
+def _of_file(image: bpy.types.Image, stored: np.ndarray) -> np.ndarray | None:
+    """The values in the file of an image; None if what is seen is not what is in it."""
+    if image.source != "FILE" or image.is_dirty:
+        return None
+    copy = image.copy()
+    try:
+        alike = (tuple(copy.size), copy.channels) == (tuple(image.size), image.channels)
+        if not alike or not np.array_equal(stored_in(copy), stored, equal_nan=True):
+            return None
+        colors.make_raw(copy)
+        return stored_in(copy)
+    finally:
+        bpy.data.images.remove(copy)

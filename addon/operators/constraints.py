@@ -53,8 +53,7 @@ class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
         constraint = constraints.add(obj, group, self.kind)
         if self.kind == "OBJECT":
             constraint.target = add_empty(obj, group)
-        index = obj.vertex_groups[group].index
-        _, weights = group_weights(obj, {index})[index]
+        _, weights = group_weights(obj, [group])[group]
         if len(weights) and weights.max() < 1:
             self.report(
                 {"WARNING"},

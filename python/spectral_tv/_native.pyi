@@ -1,5 +1,5 @@
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, final
+from typing import Any, Literal, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,8 @@ __all__ = [
     "MeshError",
     "MeshWarning",
     "__version__",
+    "_restore",
+    "_use_threads",
     "accuracy",
     "caricature",
     "conformal_flow",
@@ -63,6 +65,8 @@ class Cancelled(Exception): ...
 
 @final
 class Mesh:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     def __new__(
         cls,
         vertices: ArrayLike,
@@ -87,6 +91,8 @@ class Mesh:
 
 @final
 class Findings:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def border_corners(self) -> int: ...
     @property
@@ -108,6 +114,8 @@ class Findings:
 
 @final
 class Flow:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def times(self) -> NDArray[np.float64]: ...
     @property
@@ -127,6 +135,8 @@ class Flow:
 
 @final
 class Decomposition:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def times(self) -> NDArray[np.float64]: ...
     @property
@@ -141,6 +151,8 @@ class Decomposition:
 
 @final
 class Accuracy:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def steps(self) -> NDArray[np.int64]: ...
     @property
@@ -160,6 +172,8 @@ class Accuracy:
 
 @final
 class Deformation:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -173,6 +187,8 @@ class Deformation:
 
 @final
 class Deformer:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     def __new__(
         cls,
         mesh: Mesh,
@@ -197,6 +213,8 @@ class Deformer:
 
 @final
 class EigensetTest:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def area(self) -> float: ...
     @property
@@ -224,6 +242,8 @@ class EigensetTest:
 
 @final
 class Estimate:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def bytes(self) -> int: ...
     @property

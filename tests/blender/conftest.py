@@ -26,7 +26,7 @@ if not IN_BLENDER:  # the module reads the variable on import; the user's own fi
     os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES.name
 
 # What its Python lacks packages for; there the command line is judged from outside.
-collect_ignore = ["test_picture_files.py"] if IN_BLENDER else []
+collect_ignore = ["test_picture_files.py", "test_picture_headers.py"] if IN_BLENDER else []
 
 import bpy  # noqa: E402
 from deform_scene import constrain, dumbbell_object, empty  # noqa: E402

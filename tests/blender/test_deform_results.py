@@ -182,6 +182,20 @@ def test_a_renamed_result_with_a_copy_is_kept_with_it_and_told(held, capfd):
     assert len(keys(held)) == 4
 
 
+@pytest.mark.parametrize("kind", ["CAST", "SUBSURF"])
+def test_a_result_is_known_after_a_modifier_was_applied(held, kind):
+    animate(held)
+    bake()
+    pull(held, 0.5)
+    handle(held).driver_remove("location")
+    held.modifiers.new("Modifier", kind)
+    assert bpy.ops.spectral_tv.apply_modifier() == {"FINISHED"}
+    handle(held).location.x = 0.7
+    assert bpy.ops.spectral_tv.deform() == {"FINISHED"}
+    assert len(keys(held)) == 5
+    np.testing.assert_allclose(seen(held), 0.7, atol=1e-5)
+
+
 def test_a_key_of_the_user_that_took_the_name_is_no_result(held, capfd):
     pull(held, 0.5)
     held.shape_key_remove(keys(held)["Deformation"])

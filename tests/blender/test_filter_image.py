@@ -151,6 +151,34 @@ def test_refusals():
     assert not any("Filtered" in image.name for image in bpy.data.images)
 
 
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"tiled": True}, "Other has several tiles .UDIM.; open one of them by itself"),
+        ({"stereo3d": True}, "Other has several views; save one of them as an image"),
+        ("SEQUENCE", "Other is a sequence of images; open one of them by itself"),
+    ],
+)
+def test_images_that_are_no_single_picture_are_refused(settings, message):
+    options = settings if isinstance(settings, dict) else {}
+    image = bpy.data.images.new("Other", 8, 8, **options)
+    if not options:
+        image.source = settings
+    with pytest.raises(RuntimeError, match=message):
+        filter_image(image="Other")
+    assert len(bpy.data.images) == 1
+
+
+def test_the_result_of_a_render_is_refused():
+    scene = bpy.context.scene
+    bpy.ops.object.camera_add()
+    scene.camera, scene.render.engine = bpy.context.object, "CYCLES"
+    scene.cycles.samples, scene.render.resolution_x, scene.render.resolution_y = 1, 8, 8
+    bpy.ops.render.render()
+    with pytest.raises(RuntimeError, match="Render Result is what a render or a node shows"):
+        filter_image(image="Render Result")
+
+
 def test_the_job_of_a_window_is_polled_and_notices_changes():
     """What a window runs in a thread gives the same; a changed image is not the same subject."""
     jobs = import_module(f"{MODULE}.job.jobs")

@@ -8,7 +8,7 @@ import pytest
 from image_files import new, stored
 
 filter_image = bpy.ops.spectral_tv.filter_image
-LOW_PASS = {"preset": "LOW_PASS", "bands": 3, "first": 3, "steps": 12, "largest": 40.0}
+LOW_PASS = {"preset": "GAINS", "gains": "0 0 0", "bands": 3, "steps": 12, "largest": 40.0}
 SIDE = 40
 
 

@@ -183,7 +183,7 @@ def seen_in_blender(path: Path, space: str | None) -> np.ndarray:
 
 
 def test_blender_itself_gives_all_formats_back(blender, tmp_path):
-    """In one run: to the last bit where nothing is lost; what goes to OpenEXR and comes back too."""
+    """To the last bit where nothing is lost; and what goes to OpenEXR and comes back."""
     folders = {name: tmp_path / name for name in ("in", "out", "linear", "back")}
     for folder in folders.values():
         folder.mkdir()
