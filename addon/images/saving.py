@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ..files import picture_tags
+from ..files.checks import check
 from ..files.profiles import fits, name_of
 from ..files.tiff import Meaning, write_tiff
 from ..scene.notes import note
@@ -61,8 +62,8 @@ def save_picture(
     """Save a picture in the format of the path's suffix, and make sure of what was written.
 
     Colours are converted where the format holds others: to scene-linear ones in OpenEXR, from
-    linear ones of floats to sRGB in 8 and 16 bits. What cannot be kept is noted. Raises Refusal or
-    RuntimeError if Blender cannot write it, and OSError.
+    linear ones of floats to sRGB in 8 and 16 bits. What cannot be kept is noted. Raises Refusal,
+    Torn if the file was cut short, RuntimeError if Blender cannot write it, and OSError.
     """
     form = BY_SUFFIX[path.suffix.lower()]
     target = Target(
@@ -80,6 +81,7 @@ def save_picture(
             _save_tiff(picture, pixels, target, channels, profile)
         else:
             _save_by_blender(picture, pixels, target, channels, scene)
+            check(path)
             _add_tags(picture, pixels, target, is_converted, profile)
     _check(pixels, target)
 
@@ -241,14 +243,15 @@ def _add_tags(
 
 
 def _check(pixels: Pixels, target: Target) -> None:
-    """Read the file again; raises Refusal if it holds anything else than it should."""
+    """Read the file again; raises RuntimeError if it holds anything else than it should."""
+    check(target.path)
     image = bpy.data.images.load(str(target.path))
     try:
         assumed = image.colorspace_settings.name
         colors.make_raw(image)
         height, width, _ = pixels.stored.shape
         if tuple(image.size) != (width, height):
-            raise Refusal("Blender cannot read what it has written")
+            raise RuntimeError("Blender cannot read it again")
         found = stored_in(image)
     finally:
         bpy.data.images.remove(image)
@@ -271,7 +274,7 @@ def _check(pixels: Pixels, target: Target) -> None:
     with np.errstate(invalid="ignore"):  # what is not finite is no number of steps away
         error = np.abs(found.astype(np.float64) - wanted) / allowed
     if (error > 1).any():
-        raise Refusal(f"Blender writes other values, {np.nanmax(error):.3g} times off what it may")
+        raise RuntimeError(f"values came out {np.nanmax(error):.3g} times as far off as they may")
 
 
 @contextmanager
