@@ -16,14 +16,12 @@ from ..deformation.empties import add_empty
 from ..scene.animation import travel
 from ..scene.notes import note
 from ..scene.objects import Refusal
-from . import files
 from .arguments import percent
+from .formats import BLEND, HOLDS, YES
 from .places import group_of
 from .progress import progress, say
 from .verb import Task, Verb
 
-# Formats that keep the shape keys of frames.
-ANIMATED = {files.BLEND, ".glb", ".gltf", ".fbx"}
 FRAMES = re.compile(r"(-?\d{1,6})-(-?\d{1,6})(?::(\d{1,6}))?")
 
 
@@ -130,9 +128,9 @@ the deformed shape, with --frames that of the current frame."""
         done = _deform(obj, task) if choices.frames is None else _bake(obj, choices.frames, task)
         say(f"{task.label}: {done}")
         suffix = None if task.file is None else task.file.suffix.lower()
-        if suffix != files.BLEND:
+        if suffix != BLEND:
             bpy.data.batch_remove(empties)
-        if choices.frames is not None and suffix is not None and suffix not in ANIMATED:
+        if choices.frames is not None and suffix is not None and HOLDS[suffix]["keys"] != YES:
             frame = bpy.context.scene.frame_current
             note(f"{suffix} holds no animation of shapes: it has that of frame {frame}")
 

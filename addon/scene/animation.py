@@ -116,6 +116,14 @@ def _have_own_action(keys: bpy.types.Key) -> None:
         played.with_own_action()
 
 
+def curves_of(data: bpy.types.ID) -> bpy.types.bpy_prop_collection | None:
+    """The curves of the action that animates ``data``; None if there are none."""
+    animation = data.animation_data
+    if animation is None or animation.action is None:
+        return None
+    return Animated(animation, animation.action).curves
+
+
 def _make_linear(curve: bpy.types.FCurve) -> None:
     for point in curve.keyframe_points:
         point.interpolation = "LINEAR"
