@@ -134,6 +134,22 @@ def test_one_step_takes_all_of_it_back(name):
     assert contents() == after
 
 
+@pytest.mark.parametrize("name", ["deform", "bake_deformation", "constraint_rest"])
+def test_hidden_handles_are_followed_in_the_same_step(name):
+    """What moves them meanwhile is gone."""
+    held()
+    handle(bpy.context.object).hide_viewport = True
+    bpy.ops.ed.undo_push(message="before")
+    before = contents()
+    run(name, CASES[name][1])
+    after = contents()
+    assert after != before and len(bpy.data.objects) == 2
+    bpy.ops.ed.undo()
+    assert contents() == before
+    bpy.ops.ed.redo()
+    assert contents() == after
+
+
 def test_constraints_made_in_edit_mode_are_undone_there():
     body = dumbbell_object()
     bpy.ops.object.mode_set(mode="EDIT")

@@ -62,7 +62,13 @@ def caricature(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
     yield from away()
     yield from picture("panel_caricature")
     yield from click(*(yield from find("spectral_tv.caricature(")))
-    keys = obj.data.shape_keys.key_blocks
-    yield from until(lambda: "M3 Band 1" in keys and keys["M3 Band 1"].value == -1, "the bands")
+    yield from until(lambda: first_band(obj) == -1, "the bands")
     yield from away()
     yield from picture("exaggerated")
+
+
+def first_band(obj: bpy.types.Object) -> float | None:
+    """Its value; None without it."""
+    keys = obj.data.shape_keys
+    key = None if keys is None else keys.key_blocks.get("M3 Band 1")
+    return None if key is None else key.value
