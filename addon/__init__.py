@@ -12,6 +12,7 @@ from . import native
 _PARTS = (
     "decomposition.properties",
     "scene.records",
+    "scene.results",
     "deformation.constraints",
     "attributes",
     "images",

@@ -8,9 +8,11 @@ import bpy
 import numpy as np
 import spectral_tv
 
+from ..scene import results
+from ..scene.documents import keep_text
+from ..scene.results import Piece
 from ..scene.surface import Surface
-from .outputs import write as write_outputs
-from .sources import Source
+from ..scene.whole import whole
 
 # Of the heat map, from no error to the largest.
 RAMP = ((0.05, 0.08, 0.35), (0.1, 0.5, 0.55), (0.95, 0.9, 0.3))
@@ -80,24 +82,20 @@ def write(
 ) -> list[str]:
     """Write the errors of the most steps as attributes, in the unit of the scene; name them.
 
-    The one that is ``shown`` is the active color attribute too. The table is kept as a text, that
-    of the last time replaced.
+    The one that is ``shown`` is the active color attribute too. The table is kept as a text, in
+    place of that of the last time.
     """
     most = int(np.argmax(result.steps))
     errors = {label: surface.to_vertices(getattr(result, name)[most]) for label, name, _ in ERRORS}
-    scalars = Source("ATTRIBUTE", method, np.zeros((len(surface.place), 1)))
-    columns = {label: values[:, np.newaxis] for label, values in errors.items()}
-    names = write_outputs(obj, scalars, columns)
+    pieces = {label: Piece("ATTRIBUTE", values, "FLOAT") for label, values in errors.items()}
     label = next(label for label, _, short in ERRORS if short == shown)
-    colours = Source("ATTRIBUTE", method, np.zeros((0, 3)), np.ones(len(surface.place)))
-    names += write_outputs(obj, colours, {"Error Color": heat_map(errors[label])})
+    colours = np.column_stack([heat_map(errors[label]), np.ones(len(surface.place))])
+    pieces["Error Color"] = Piece("ATTRIBUTE", colours, "FLOAT_COLOR")
+    told = table(surface, result)
+    with whole(obj):
+        keep_text(obj.data, "accuracy", f"{obj.name} Accuracy.csv", told)
+        names = results.write(obj, "ACCURACY", method, pieces)
     obj.data.color_attributes.active_color = obj.data.color_attributes[names[-1]]
-    kept = obj.data.spectral_tv
-    name = f"{obj.name} Accuracy.csv"
-    if kept.accuracy is None:
-        kept.accuracy = bpy.data.texts.new(name)
-    kept.accuracy.name = name
-    kept.accuracy.from_string(table(surface, result))
     return names
 
 

@@ -9,7 +9,10 @@ import spectral_tv
 
 from ..decomposition.lettering import HEIGHT, mask
 from ..decomposition.spectrum import colour
+from ..scene.documents import keep_image, keep_text
 from ..scene.objects import Refusal
+from ..scene.results import written_names
+from ..scene.whole import whole
 from .flows import Prepared
 from .sources import read
 
@@ -61,7 +64,7 @@ def parts(obj: bpy.types.Object, kind: str, chosen: str) -> dict[str, np.ndarray
         names = [chosen]
     else:
         names = [name.strip() for name in chosen.split(",") if name.strip()]
-    written = [output.name for output in obj.data.spectral_tv.outputs]
+    written = written_names(obj, "GROUP")
     names = names or [group.name for group in obj.vertex_groups if group.name not in written]
     if not names:
         raise Refusal("it has no vertex groups whose values could be told")
@@ -116,20 +119,13 @@ def picture(table: Table, thickness: int = 3) -> np.ndarray:
 
 
 def write(obj: bpy.types.Object, name: str, table: Table) -> None:
-    """Keep a table as a text and its picture as an image, those of the last time replaced."""
-    kept = obj.data.spectral_tv
-    if kept.table is None:
-        kept.table = bpy.data.texts.new(f"{name}.csv")
-    kept.table.name = f"{name}.csv"
-    kept.table.from_string(table.text())
-    if kept.picture is None:
-        kept.picture = bpy.data.images.new(name, WIDTH, HEIGHT_OF_PICTURE, alpha=False)
-    kept.picture.name = name
-    kept.picture.pixels.foreach_set(picture(table).ravel())
-    kept.picture.update()
-    kept.picture.pack()
-    preview = kept.picture.preview_ensure()
-    small = _reduced(picture(table, 3 * REDUCTION))
+    """Keep a table as a text and its picture as an image, in place of those of the last time."""
+    drawn, thick = picture(table), picture(table, 3 * REDUCTION)
+    with whole(obj):
+        keep_text(obj.data, "table", f"{name}.csv", table.text())
+        kept = keep_image(obj.data, "picture", name, drawn)
+        preview = kept.preview_ensure()
+    small = _reduced(thick)
     preview.image_size = small.shape[1::-1]
     preview.image_pixels_float = small.ravel()
 

@@ -9,7 +9,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..filters.filtering import FilterProperties
+from ..filters.filtering import FilterProperties, SidebarFilter
 from .curves import PARTS
 from .flows import Choice
 from .sources import KINDS, names
@@ -116,7 +116,9 @@ class MeasureProperties:
     )
 
 
-class SpectralTVAttributes(AttributeProperties, MeasureProperties, bpy.types.PropertyGroup):
+class SpectralTVAttributes(
+    SidebarFilter, AttributeProperties, MeasureProperties, bpy.types.PropertyGroup
+):
     """The choices in the sidebar, kept with the scene."""
 
     group: StringProperty(

@@ -5,27 +5,17 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..scene.contents import TYPES, attribute_values
+from ..scene.mix import key_displacement
 from ..scene.objects import Refusal
-from ..scene.records import coordinates
-from ..scene.surface import basis_coordinates
+from ..scene.weights import weights_of
 
 KINDS = (
     ("ATTRIBUTE", "Attribute", "An attribute of the mesh", "SPREADSHEET", 0),
     ("COLOR", "Color Attribute", "A color attribute of the mesh", "COLOR", 1),
     ("GROUP", "Vertex Group", "The weights of a vertex group", "GROUP_VERTEX", 2),
-    ("KEY", "Shape Key", "How far a shape key moves the vertices from Basis", "SHAPEKEY_DATA", 3),
+    ("KEY", "Shape Key", "How far a shape key moves the vertices", "SHAPEKEY_DATA", 3),
 )
-# Of every type of attribute that can be flowed: where its data are, how many, and their dtype.
-TYPES = {
-    "FLOAT": ("value", 1, np.float32),
-    "INT": ("value", 1, np.int32),
-    "INT8": ("value", 1, np.int8),
-    "BOOLEAN": ("value", 1, bool),
-    "FLOAT2": ("vector", 2, np.float32),
-    "FLOAT_VECTOR": ("vector", 3, np.float32),
-    "FLOAT_COLOR": ("color", 4, np.float32),
-    "BYTE_COLOR": ("color", 4, np.float32),
-}
 COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
 
 
@@ -34,7 +24,7 @@ class Source:
     """A function on the vertices of an object: ``values`` (V, C), C being 1 for a scalar.
 
     Of colours red, green and blue are the values, and ``alpha`` (V,) is kept as it is; of shape
-    keys the displacements from Basis, in object space.
+    keys the displacements, in object space.
     """
 
     kind: str
@@ -100,15 +90,9 @@ def _active(obj: bpy.types.Object, kind: str) -> str:
 
 
 def _group(obj: bpy.types.Object, name: str) -> np.ndarray:
-    group = obj.vertex_groups.get(name)
-    if group is None:
+    if name not in obj.vertex_groups:
         raise Refusal(f"there is no vertex group {name!r}")
-    values = np.zeros((len(obj.data.vertices), 1))
-    for vertex in obj.data.vertices:
-        for membership in vertex.groups:
-            if membership.group == group.index:
-                values[vertex.index] = membership.weight
-    return values
+    return weights_of(obj, obj.vertex_groups[name])[:, np.newaxis]
 
 
 def _key(obj: bpy.types.Object, name: str) -> np.ndarray:
@@ -118,8 +102,7 @@ def _key(obj: bpy.types.Object, name: str) -> np.ndarray:
         raise Refusal(f"there is no shape key {name!r}")
     if key == keys.reference_key:
         raise Refusal(f"{name!r} is the shape that others are measured from; choose another key")
-    shape = coordinates(key.data).reshape(-1, 3).astype(np.float64)
-    return shape - basis_coordinates(obj.data)
+    return key_displacement(key)
 
 
 def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
@@ -129,10 +112,8 @@ def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
     reason = _why_not(attribute)
     if reason:
         raise Refusal(f"the attribute {name!r} {reason}")
-    field, channels, dtype = TYPES[attribute.data_type]
-    flat = np.empty(channels * len(attribute.data), dtype=dtype)
-    attribute.data.foreach_get(field, flat)
-    values = flat.reshape(-1, channels).astype(np.float64)
+    _, channels, _ = TYPES[attribute.data_type]
+    values = attribute_values(attribute).reshape(-1, channels).astype(np.float64)
     if attribute.domain == "POINT":
         return values
     corners = np.empty(len(mesh.loops), dtype=np.int32)

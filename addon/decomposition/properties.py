@@ -1,6 +1,8 @@
 """The properties of a decomposition, shared by the sidebar and the operator."""
 
 import inspect
+from dataclasses import asdict
+from typing import Any
 
 import bpy
 from bpy.props import (
@@ -12,6 +14,9 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..filters.filtering import SidebarFilter
+from ..filters.gains import usual_band
+from ..scene.records import record_of
 from ..scene.segments import OUTPUTS
 from .settings import (
     BASES,
@@ -23,6 +28,8 @@ from .settings import (
     WELD,
     Settings,
 )
+
+DEFAULT_BANDS = Settings.bands
 
 
 def copy_choices(
@@ -43,7 +50,7 @@ class DecompositionProperties:
     bands: IntProperty(
         name="Bands",
         description="Number of bands, from the finest detail to the largest",
-        default=5,
+        default=DEFAULT_BANDS,
         min=1,
         max=32,
     )
@@ -85,20 +92,21 @@ class DecompositionProperties:
     )
     finest: FloatProperty(
         name="Finest",
-        description="Size of the finest detail to tell apart, relative to the object's size",
+        description="Size of the finest detail to tell apart, relative to the object's size; 0 is "
+        "what suits the method",
         subtype="PERCENTAGE",
-        default=0.3,
-        min=0.01,
+        default=0,
+        min=0,
         max=50,
         precision=2,
     )
     largest: FloatProperty(
         name="Largest",
         description="Size of the largest features that bands hold, relative to the object's "
-        "size. What is larger stays in the low-pass",
+        "size. What is larger stays in the low-pass. 0 is what suits the method",
         subtype="PERCENTAGE",
-        default=5.5,
-        min=0.02,
+        default=0,
+        min=0,
         max=100,
         precision=2,
     )
@@ -113,10 +121,11 @@ class DecompositionProperties:
     )
     base_amount: FloatProperty(
         name="Smoothing",
-        description="Size of the features that vanish from the base, relative to the object's size",
+        description="Size of the features that vanish from the base, relative to the object's "
+        "size; 0 is what suits the method",
         subtype="PERCENTAGE",
-        default=7,
-        min=0.1,
+        default=0,
+        min=0,
         max=50,
         precision=1,
     )
@@ -171,6 +180,20 @@ class DecompositionProperties:
         )
 
 
+def fill(choices: DecompositionProperties, settings: Settings) -> None:
+    """Give the properties of an operator what ``settings`` say."""
+    for name, value in asdict(settings).items():
+        if name not in ("accuracy", "finest", "largest", "base_amount"):
+            setattr(choices, name, value)
+    choices.use_accuracy = settings.is_adaptive
+    if settings.is_adaptive:
+        choices.accuracy = 100 * settings.accuracy
+    choices.use_scales = bool(settings.finest or settings.largest)
+    choices.finest, choices.largest = 100 * settings.finest, 100 * settings.largest
+    choices.use_base_amount = bool(settings.base_amount)
+    choices.base_amount = 100 * settings.base_amount
+
+
 def draw_method(choices: DecompositionProperties, layout: bpy.types.UILayout) -> None:
     """Lay out a method with what it needs."""
     layout.prop(choices, "method")
@@ -191,19 +214,58 @@ def draw_reading(choices: DecompositionProperties, layout: bpy.types.UILayout) -
         layout.prop(choices, name)
 
 
+def shown_size(of: str, switch: str, least: float, **options: Any) -> Any:
+    """A property that shows a size as it is in force: the method's own, until another is chosen
+    while ``switch`` is on."""
+
+    def get(choices: Any) -> float:
+        own = getattr(choices, of) if getattr(choices, switch) else 0.0
+        return own or 100 * getattr(choices.settings(), f"own_{of}")
+
+    def choose(choices: Any, value: float) -> None:
+        setattr(choices, of, max(value, least))
+
+    return FloatProperty(get=get, set=choose, min=least, subtype="PERCENTAGE", **options)
+
+
 class SpectralTVScene(DecompositionProperties, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
 
+    shown_finest: shown_size(
+        "finest",
+        "use_scales",
+        0.01,
+        name="Finest",
+        description="Size of the finest detail to tell apart, relative to the object's size",
+        max=50,
+        precision=2,
+    )
+    shown_largest: shown_size(
+        "largest",
+        "use_scales",
+        0.02,
+        name="Largest",
+        description="Size of the largest features that bands hold, relative to the object's "
+        "size. What is larger stays in the low-pass",
+        max=100,
+        precision=2,
+    )
+    shown_base_amount: shown_size(
+        "base_amount",
+        "use_base_amount",
+        0.1,
+        name="Smoothing",
+        description="Size of the features that vanish from the base, relative to the object's size",
+        max=50,
+        precision=1,
+    )
 
-class SpectralTVFilter(bpy.types.PropertyGroup):
+
+class SpectralTVFilter(SidebarFilter, bpy.types.PropertyGroup):
     """Which bands the common filters are about."""
 
-    first: IntProperty(
-        name="From", description="First of the chosen bands; 1 is the finest", default=1, min=1
-    )
-    last: IntProperty(
-        name="To", description="Last of the chosen bands; 1 is the finest", default=2, min=1
-    )
+    # That of any of them.
+    preset = "BAND_PASS"
     amount: FloatProperty(
         name="Exaggerate by",
         description="How much is added to the chosen bands: 1 doubles them",
@@ -211,6 +273,17 @@ class SpectralTVFilter(bpy.types.PropertyGroup):
         soft_min=-1,
         soft_max=4,
     )
+
+    def chosen(self, preset: str) -> tuple[int, int]:
+        """The first and the last band that a preset is about; the usual one if none is chosen."""
+        if self.own_first or self.own_last:
+            return self.first, self.last
+        return (usual_band(preset, self.band_count()),) * 2
+
+    def band_count(self) -> int:
+        """That of the active object."""
+        record = record_of(bpy.context.active_object)
+        return DEFAULT_BANDS if record is None else len(record.bands)
 
 
 class SegmentationProperties:

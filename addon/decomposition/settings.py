@@ -1,6 +1,8 @@
 """What to decompose by, in the terms of the user: sizes are relative to the object's."""
 
-from dataclasses import dataclass
+import json
+import math
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -88,6 +90,16 @@ class Settings:
     weld: float = WELD
     leaves_out: bool = False
 
+    def text(self) -> str:
+        """As a text to be kept."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def of_text(cls, text: str) -> "Settings":
+        """The settings that a text keeps, be it of a version that had fewer or more."""
+        known = {field.name for field in fields(cls)}
+        return cls(**{name: value for name, value in json.loads(text).items() if name in known})
+
     @property
     def band_count(self) -> int:
         """How many bands there will be."""
@@ -138,12 +150,30 @@ class Settings:
 
     def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
         """The times of the finest and of the largest scale, length²."""
-        method = self.method.lower().partition("_p")[0]
-        defaults = spectral_tv.default_scales(method, self.eigenpairs)
+        pairs = zip((self.finest, self.largest), self._own_scales(), strict=True)
         # A feature of the size l vanishes at a time of the order of l squared.
-        pairs = zip((self.finest, self.largest), defaults, strict=True)
-        finest, largest = (mesh.area * (size**2 or default) for size, default in pairs)
+        finest, largest = (mesh.area * (size**2 or own) for size, own in pairs)
         return finest, largest
+
+    @property
+    def own_finest(self) -> float:
+        """What a finest size of 0 stands for."""
+        return math.sqrt(self._own_scales()[0])
+
+    @property
+    def own_largest(self) -> float:
+        """What a largest size of 0 stands for."""
+        return math.sqrt(self._own_scales()[1])
+
+    @property
+    def own_base_amount(self) -> float:
+        """What a base amount of 0 stands for."""
+        return math.sqrt(spectral_tv.default_base_time())
+
+    def _own_scales(self) -> tuple[float, float]:
+        """Those of the method, relative to the area."""
+        method = self.method.lower().partition("_p")[0]
+        return spectral_tv.default_scales(method, self.eigenpairs)
 
 
 def key_label(method: str) -> str:

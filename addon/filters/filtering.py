@@ -1,14 +1,15 @@
 """Which filter the bands of a function get: what the user chooses, and what it comes to."""
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..scene.notes import note
 from ..scene.objects import Refusal
 from . import filter_curve
-from .gains import PRESETS, curve_values, preset_values
+from .gains import PRESETS, curve_values, idle_reason, preset_values, usual_band
 
 FILTERS = (
     *(preset for preset in PRESETS if preset[0] != "RESET"),
@@ -26,13 +27,25 @@ class Chosen(Protocol):
     last: int
     amount: float
     gains: str
+    keep_rest: bool
 
 
 def filter_values(choice: Chosen) -> list[float]:
     """What is added to every band, times the band: −1 removes it.
 
-    Raises Refusal if the gains are not one number per band, or there is no curve.
+    That a filter changes nothing is noted. Raises Refusal if the gains are not one number per band,
+    or there is no curve.
     """
+    values = _values(choice)
+    if choice.keep_rest and not any(values):
+        range_ = choice.bands, choice.first, choice.last, choice.amount
+        is_preset = choice.preset not in ("GAINS", "CURVE")
+        reason = idle_reason(choice.preset, *range_) if is_preset else None
+        note(reason or "the filter changes nothing: it keeps every band")
+    return values
+
+
+def _values(choice: Chosen) -> list[float]:
     if choice.preset == "GAINS":
         try:
             gains = [float(word) for word in choice.gains.replace(",", " ").split()]
@@ -47,6 +60,44 @@ def filter_values(choice: Chosen) -> list[float]:
             raise Refusal("there is no filter curve")
         return curve_values(lambda position: filter_curve.evaluate(node, position), choice.bands)
     return preset_values(choice.preset, choice.bands, choice.first, choice.last, choice.amount)
+
+
+def sidebar_band(end: str, **options: Any) -> Any:
+    """A property of a sidebar's choices, "first" or "last": the usual band until one is chosen.
+
+    What is chosen is in ``own_first`` and ``own_last``, which are 0 until then.
+    """
+
+    def get(choices: Any) -> int:
+        own, other = getattr(choices, f"own_{end}"), choices.own_first or choices.own_last
+        if own:
+            return own
+        usual = usual_band(choices.preset, choices.band_count())
+        # So that one that is chosen stays the end that it is.
+        return usual if not other else min(usual, other) if end == "first" else max(usual, other)
+
+    def choose(choices: Any, value: int) -> None:
+        setattr(choices, f"own_{end}", value)
+
+    return IntProperty(get=get, set=choose, min=1, **options)
+
+
+FIRST = {"name": "From", "description": "First of the chosen bands; 1 is the finest"}
+LAST = {"name": "To", "description": "Last of the chosen bands; 1 is the finest"}
+
+
+class SidebarFilter:
+    """The chosen bands of a filter in a sidebar. Ahead of the other bases of a class, so that these
+    properties take the place of the operator's."""
+
+    own_first: IntProperty(options={"HIDDEN"})
+    own_last: IntProperty(options={"HIDDEN"})
+    first: sidebar_band("first", **FIRST)
+    last: sidebar_band("last", **LAST)
+
+    def band_count(self) -> int:
+        """How many bands there are."""
+        return self.bands
 
 
 class FilterProperties:
@@ -67,12 +118,8 @@ class FilterProperties:
     preset: EnumProperty(
         name="Filter", description="What happens to the bands", items=FILTERS, default="LOW_PASS"
     )
-    first: IntProperty(
-        name="From", description="First of the chosen bands; 1 is the finest", default=3, min=1
-    )
-    last: IntProperty(
-        name="To", description="Last of the chosen bands; 1 is the finest", default=3, min=1
-    )
+    first: IntProperty(**FIRST, default=3, min=1)
+    last: IntProperty(**LAST, default=3, min=1)
     amount: FloatProperty(
         name="Exaggerate by",
         description="How much is added to the chosen bands: 1 doubles them",

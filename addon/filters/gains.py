@@ -26,6 +26,29 @@ def preset_values(preset: str, count: int, first: int, last: int, amount: float)
     return [rules[preset](band) for band in range(1, count + 1)]
 
 
+def usual_band(preset: str, count: int) -> int:
+    """The band that a filter is about where none is chosen: the third, or the one from which there
+    are others on both sides, or on that which the filter removes."""
+    return max(2 if preset == "LOW_PASS" and count > 1 else 1, min(3, count - 1))
+
+
+def idle_reason(preset: str, count: int, first: int, last: int, amount: float) -> str | None:
+    """Why a preset leaves all of ``count`` bands as they are; None if it does not."""
+    if preset == "RESET" or any(preset_values(preset, count, first, last, amount)):
+        return None
+    label = next(label for name, label, _ in PRESETS if name == preset)
+    first, last = sorted((min(first, count), min(last, count)))
+    return (
+        f"{label} changes nothing: "
+        + {
+            "LOW_PASS": f"no band is finer than band {first}",
+            "HIGH_PASS": f"no band is coarser than band {last}",
+            "BAND_PASS": "all bands are chosen",
+            "EXAGGERATE": "the amount is 0",
+        }[preset]
+    )
+
+
 def caricature_values(count: int, first: int, last: int, amount: float, smooth: int) -> list[float]:
     """Values that amplify the chosen bands and remove the ``smooth`` finest of the others."""
     values = preset_values("EXAGGERATE", count, first, last, amount)

@@ -1,18 +1,20 @@
 """The operator that measures how accurate the bands are for the number of steps."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import bpy
 import spectral_tv
-from bpy.props import EnumProperty
+from bpy.props import BoolProperty, EnumProperty
 
 from ..attributes import accuracy
-from ..decomposition.bands import base_shape
-from ..decomposition.properties import DecompositionProperties, draw_method
+from ..decomposition.bands import base_shape, settings_as_taken
+from ..decomposition.properties import DecompositionProperties, draw_method, fill
 from ..decomposition.settings import STEPLESS, key_label
 from ..decomposition.shapes import read_surfaces
 from ..scene.objects import Refusal
+from ..scene.records import record_of
 from ..scene.surface import Surface
 from ._job import JobOperator
 
@@ -36,17 +38,33 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
         default="BANDS",
     )
 
+    of_bands: BoolProperty(
+        name="Of the Bands",
+        description="Measure by the settings that the object's bands were made by, whatever the "
+        "others say",
+        options={"SKIP_SAVE"},
+    )
+
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        settings = self.settings()
+        if self.of_bands:
+            record = record_of(obj)
+            if record is None:
+                raise Refusal("it has no bands; decompose it first")
+            fill(self, settings_as_taken(record))
+            self.of_bands = False  # what is adjusted afterwards counts
+        # All steps are measured, and nothing is limited.
+        settings = replace(self.settings(), accuracy=0.0, vertex_group="")
         if settings.method in STEPLESS:
             raise Refusal("this method takes no time steps, so there is nothing to measure")
         if settings.bands >= settings.steps:
             raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
         surface = read_surfaces([obj], settings, without_bands=True)[0]
         base = base_shape([obj], settings, [surface])
+        arguments = settings.arguments(surface.mesh, base)
+        del arguments["times"]
         steps = {max(settings.steps // part, 2) for part in (1, 2, 4)}
         return surface, {
-            **settings.method_arguments(surface.mesh, base),
+            **arguments,
             "steps": sorted(steps),
             "bands": settings.bands,
             "scales": settings.scales(surface.mesh),

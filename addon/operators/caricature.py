@@ -12,8 +12,10 @@ from ..decomposition.properties import CaricatureProperties
 from ..decomposition.settings import Settings
 from ..filters.gains import caricature_values
 from ..job import faults, jobs
+from ..scene.notes import about, note
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from ..scene.surface import Surface
+from ..scene.whole import whole
 from ._job import JobOperator
 
 
@@ -80,14 +82,21 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureProperties, bpy.types.Ope
         result: list[spectral_tv.Decomposition],
     ) -> str:
         values = caricature_values(self.bands, self.first, self.last, self.amount, self.smooth)
-        skipped = []
+        if not any(values):
+            note("the filter changes nothing: the amount is 0, and no band is smoothed")
+        found, skipped = [], []
         for pose, split in zip(prepared, result, strict=True):
             obj = bpy.data.objects.get(pose.name)
             if refusal(obj) is not None or jobs.state_of(obj) != pose.state:
                 skipped.append(pose.name)
-                continue
-            add_bands(obj, self._settings(), pose.surface, pose.arguments, split)
-            set_values(obj, values)
+            else:
+                found.append((obj, pose, split))
+        with whole(*(obj for obj, _, _ in found)):
+            for obj, pose, split in found:
+                add_bands(obj, self._settings(), pose.surface, pose.arguments, split)
+        for obj, _, _ in found:
+            with about(obj.name):
+                set_values(obj, values)
         text = f"{self.bands} bands of {self.method} exaggerated alike in "
         text += f"{len(prepared) - len(skipped)} meshes"
         if skipped:

@@ -9,6 +9,7 @@ import spectral_tv
 from ..decomposition.properties import SegmentationProperties
 from ..job import faults, jobs
 from ..scene import mix, segments
+from ..scene.notes import about
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from ..scene.surface import Surface
 from ._job import JobOperator
@@ -71,7 +72,8 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Op
             if refusal(obj) is not None or jobs.state_of(obj) != state:
                 skipped.append(name)
                 continue
-            segments.write(obj, surface.to_vertices(labels), self.segments, self.outputs)
+            with about(obj.name):
+                segments.write(obj, surface.to_vertices(labels), self.segments, self.outputs)
         text = f"{self.segments} parts in {len(prepared) - len(skipped)} meshes"
         if skipped:
             text += f"; changed in the meantime and left as they are: {', '.join(skipped)}"

@@ -16,6 +16,7 @@ from ..scene import applied
 from ..scene.notes import note
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from ..scene.surface import Surface
+from ..scene.whole import whole
 from ._job import JobOperator
 
 
@@ -76,11 +77,12 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.O
                 raise Refusal(f"nothing was written, as {name} changed in the meantime")
         if self.shape == "APPLIED":
             objects = [_applied(objects[0], prepared.surfaces[0])]
-        for obj, surface in zip(objects, prepared.surfaces, strict=True):
-            names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
+        with whole(*objects):
+            for obj, surface in zip(objects, prepared.surfaces, strict=True):
+                names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
         bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
-        whole = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
-        return f"{bands} of {key_label(self.method)} added{whole}"
+        as_one = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
+        return f"{bands} of {key_label(self.method)} added{as_one}"
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""

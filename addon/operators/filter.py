@@ -1,13 +1,21 @@
 """Operators that set the bands: presets, the curve, solo, keyframes, baking, other objects."""
 
 import bpy
+import numpy as np
+import spectral_tv
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ..decomposition.bands import cut_again, has_flow, set_values
 from ..filters import filter_curve
-from ..filters.gains import PRESETS, curve_values, preset_values
+from ..filters.gains import PRESETS, curve_values, idle_reason, preset_values
+from ..scene.channels import insert_keyframe
+from ..scene.notes import about, gathered, note
 from ..scene.objects import Refusal, refusal
-from ..scene.records import band_keys, record_of, topology_changed
+from ..scene.records import band_keys, record_of, renew_bands, topology_changed
+from ..scene.solo import toggle_solo
+
+# Bands whose ends differ by less, relative to them, are of the same sizes.
+SAME_SCALES = 0.01
 
 
 def bands_refusal(obj: bpy.types.Object | None, override: bool = True) -> str | None:
@@ -38,6 +46,29 @@ class BandsOperator:
             cls.poll_message_set(reason)
         return reason is None
 
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str | None:
+        """Do it to the active object, and say what was done where that is not seen.
+
+        Raises Refusal or spectral_tv.MeshError if it cannot be done.
+        """
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Do it, and tell what is worth telling."""
+        obj = context.active_object
+        try:
+            with gathered() as notes:
+                renew_bands(obj)
+                done = self.change(context, obj)
+        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
+        if done:
+            self.report({"INFO"}, f"{obj.name}: {done}")
+        for each in notes:
+            self.report({"WARNING"}, f"{obj.name}: {each}")
+        return {"FINISHED"}
+
 
 class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
     """Set the bands to a common filter"""
@@ -60,11 +91,12 @@ class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
     def description(cls, _context, properties) -> str:
         return next(text for name, _, text in PRESETS if name == properties.preset)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
-        count = len(record_of(obj).bands)
-        set_values(obj, preset_values(self.preset, count, self.first, self.last, self.amount))
-        return {"FINISHED"}
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        choice = len(record_of(obj).bands), self.first, self.last, self.amount
+        reason = idle_reason(self.preset, *choice)
+        if reason is not None:
+            note(reason)
+        set_values(obj, preset_values(self.preset, *choice))
 
 
 class SPECTRAL_TV_OT_add_curve(BandsOperator, bpy.types.Operator):
@@ -73,9 +105,8 @@ class SPECTRAL_TV_OT_add_curve(BandsOperator, bpy.types.Operator):
     bl_idname = "spectral_tv.add_curve"
     bl_label = "Draw a Filter Curve"
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
+    def change(self, _context: bpy.types.Context, _obj: bpy.types.Object) -> None:
         filter_curve.ensure()
-        return {"FINISHED"}
 
 
 class SPECTRAL_TV_OT_apply_curve(BandsOperator, bpy.types.Operator):
@@ -84,29 +115,22 @@ class SPECTRAL_TV_OT_apply_curve(BandsOperator, bpy.types.Operator):
     bl_idname = "spectral_tv.apply_curve"
     bl_label = "Apply Curve"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         node = filter_curve.ensure()
-        count = len(record_of(context.active_object).bands)
-        values = curve_values(lambda position: filter_curve.evaluate(node, position), count)
-        set_values(context.active_object, values)
-        return {"FINISHED"}
+        count = len(record_of(obj).bands)
+        set_values(obj, curve_values(lambda position: filter_curve.evaluate(node, position), count))
 
 
 class SPECTRAL_TV_OT_solo(BandsOperator, bpy.types.Operator):
-    """Mute all other bands; again to hear them all"""
+    """Mute all other bands; again to have them as they were"""
 
     bl_idname = "spectral_tv.solo"
     bl_label = "Solo"
 
     band: IntProperty(name="Band", description="1 is the finest", default=1, min=1)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        keys = [key for key in band_keys(context.active_object) if key is not None]
-        chosen = band_keys(context.active_object)[self.band - 1 : self.band]
-        is_solo = chosen and all(key.mute == (key not in chosen) for key in keys)
-        for key in keys:
-            key.mute = not is_solo and key not in chosen
-        return {"FINISHED"}
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        toggle_solo(obj, self.band)
 
 
 class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
@@ -115,11 +139,18 @@ class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
     bl_idname = "spectral_tv.keyframe"
     bl_label = "Keyframe All Bands"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        for key in band_keys(context.active_object):
-            if key is not None:
-                key.keyframe_insert("value", frame=context.scene.frame_current)
-        return {"FINISHED"}
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        keys = [key for key in band_keys(obj) if key is not None]
+        frame = context.scene.frame_current
+        failed = [key.name for key in keys if not insert_keyframe(key, "value", frame)]
+        if failed:
+            told = (
+                f"Blender inserts no keyframes for {', '.join(failed)}: their animation is linked "
+            )
+            told += "from another file, or locked"
+            if len(failed) == len(keys):
+                raise Refusal(told)
+            note(told)
 
 
 class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
@@ -129,14 +160,12 @@ class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
     bl_label = "Bake Mix"
     changes_keys = True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
         active = obj.active_shape_key_index
         key = obj.shape_key_add(name="Filtered", from_mix=True)
         key.value = 0
         obj.active_shape_key_index = active
-        self.report({"INFO"}, f"Added the shape key {key.name}")
-        return {"FINISHED"}
+        return f"added the shape key {key.name!r}"
 
 
 class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
@@ -145,30 +174,37 @@ class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
     bl_idname = "spectral_tv.copy_filter"
     bl_label = "Copy Filter to Selected"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        source = context.active_object
-        values = [key.value if key is not None else 0.0 for key in band_keys(source)]
-        skipped = []
+    def change(self, context: bpy.types.Context, source: bpy.types.Object) -> str:
         others = [obj for obj in context.selected_objects if obj != source]
-        for obj in others:
-            record = record_of(obj)
-            if (
-                bands_refusal(obj) is not None
-                or len(record.bands) != len(values)
-                or record.method != record_of(source).method
-            ):
-                skipped.append(obj.name)
-            else:
-                set_values(obj, values)
+        if not others:
+            raise Refusal("select the other objects too")
+        values = [key.value if key is not None else 0.0 for key in band_keys(source)]
+        alike = [obj for obj in others if _is_alike(obj, source)]
+        skipped = ", ".join(obj.name for obj in others if obj not in alike)
         if skipped:
-            names = ", ".join(skipped)
-            message = f"Decompose these alike first, they were left as they are: {names}"
-            self.report({"WARNING"}, message)
-        if len(skipped) == len(others):
-            if not others:
-                self.report({"WARNING"}, "Select the other objects too")
-            return {"CANCELLED"}
-        return {"FINISHED"}
+            told = (
+                f"decompose these by the same settings first, they were left as they are: {skipped}"
+            )
+            if not alike:
+                raise Refusal(told)
+            note(told)
+        for obj in alike:
+            with about(obj.name):
+                set_values(obj, values)
+        return f"its filter is that of {', '.join(obj.name for obj in alike)} too"
+
+
+def _is_alike(obj: bpy.types.Object, source: bpy.types.Object) -> bool:
+    """Whether bands of two objects, counted from the finest, are of the same relative sizes."""
+    if bands_refusal(obj) is not None:
+        return False
+    record, other = record_of(obj), record_of(source)
+    if len(record.bands) != len(other.bands) or record.method != other.method:
+        return False
+    edges, others = (
+        np.array([band.end for band in each.bands]) / each.area for each in (record, other)
+    )
+    return np.allclose(edges, others, rtol=SAME_SCALES)
 
 
 class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
@@ -189,14 +225,8 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
-        try:
-            cut_again(obj, self.bands)
-        except (Refusal, ValueError) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        cut_again(obj, self.bands)
 
 
 CLASSES = (

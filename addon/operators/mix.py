@@ -4,11 +4,18 @@ import bpy
 import numpy as np
 from bpy.props import IntProperty
 
+from ..decomposition.bands import set_values
+from ..scene import results
+from ..scene.contents import topology_digest
+from ..scene.mix import key_displacement
 from ..scene.objects import Refusal
-from ..scene.records import band_keys, coordinates, record_of, topology_digest
-from ..scene.shape_keys import add_displacements
-from ..scene.surface import basis_coordinates
+from ..scene.records import band_keys, record_of
+from ..scene.results import Piece
+from ..scene.whole import whole
 from .filter import BandsOperator, bands_refusal
+
+# What results are of: bands by their numbers.
+KIND = "TAKEN"
 
 
 class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
@@ -22,16 +29,10 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
     first: IntProperty(name="From", description="First band; 1 is the finest", default=1, min=1)
     last: IntProperty(name="To", description="Last band; 1 is the finest", default=2, min=1)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
-        try:
-            source = _other(context)
-            taken = self._take(obj, source)
-        except Refusal as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"{obj.name}: {taken} bands of {source.name} in place of its own")
-        return {"FINISHED"}
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
+        source = _other(context)
+        taken = self._take(obj, source)
+        return f"{taken} bands of {source.name} in place of its own"
 
     def _take(self, obj: bpy.types.Object, source: bpy.types.Object) -> int:
         reason = bands_refusal(source)
@@ -52,16 +53,24 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
         # Directions are kept in the world, lengths relative to the sizes of the objects.
         turn = np.array(obj.matrix_world.to_3x3().inverted_safe() @ source.matrix_world.to_3x3())
         turn *= np.sqrt(record_of(obj).area / record_of(source).area)
-        basis = basis_coordinates(source.data)
-        displacements = np.stack(
-            [(coordinates(others[band].data).reshape(-1, 3) - basis) @ turn.T for band in chosen]
-        )
-        names = [f"{source.name} {others[band].name}" for band in chosen]
-        for key in add_displacements(obj, names, displacements):
-            key.value = 1.0
+        names = []
+        with whole(obj):
+            for band in chosen:
+                piece = Piece("KEY", key_displacement(others[band]) @ turn.T)
+                taken = {f"{source.name} {others[band].name}": piece}
+                # One that was taken in its place before goes.
+                names += results.write(obj, KIND, str(band + 1), taken, lambda _: True, _wanted)
+        for name in names:
+            obj.data.shape_keys.key_blocks[name].value = 1.0
+        values = [key.value if key is not None else 0.0 for key in own]
         for band in chosen:
-            own[band].value = -1.0
+            values[band] = -1.0
+        set_values(obj, values)
         return len(names)
+
+
+def _wanted(_source: str, label: str) -> tuple[str, str]:
+    return label, ""
 
 
 def _other(context: bpy.types.Context) -> bpy.types.Object:

@@ -7,15 +7,16 @@ import bpy
 
 from ..attributes import accuracy
 from ..decomposition import spectrum
-from ..decomposition.properties import DecompositionProperties, copy_choices
+from ..decomposition.bands import settings_as_taken
 from ..decomposition.settings import STEPLESS
 from ..filters import filter_curve
 from ..filters.gains import PRESETS
 from ..job import estimates, jobs
 from ..operators import filter as operators
 from ..operators.accuracy import SPECTRAL_TV_OT_measure_accuracy
+from ..operators.apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from ..operators.mix import SPECTRAL_TV_OT_take_bands
-from ..scene.records import SpectralTVRecord, band_keys, record_of, topology_changed
+from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
 from ._sidebar import Sidebar, draw_needs, draw_progress, say
 
 
@@ -47,7 +48,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             return
         self._draw_spectrum(layout, record, context.scene.unit_settings)
         column = layout.column(align=True)
-        for number, key in enumerate(band_keys(obj), start=1):
+        for number, key in enumerate(bands_shown(obj), start=1):
             row = column.row(align=True)
             row.label(text="", icon_value=spectrum.swatch(number - 1, len(record.bands)))
             if key is None:
@@ -55,7 +56,8 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
                 continue
             row.prop(key, "value", text=key.name, slider=True)
             row.prop(key, "mute", text="", icon="HIDE_ON" if key.mute else "HIDE_OFF")
-            solo = row.operator(operators.SPECTRAL_TV_OT_solo.bl_idname, text="", icon="SOLO_OFF")
+            icon = "SOLO_ON" if number == record.solo else "SOLO_OFF"
+            solo = row.operator(operators.SPECTRAL_TV_OT_solo.bl_idname, text="", icon=icon)
             solo.band = number
         row = layout.row(align=True)
         row.operator(operators.SPECTRAL_TV_OT_keyframe.bl_idname, text="Keyframe", icon="KEY_HLT")
@@ -103,7 +105,7 @@ class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
         for name, label, _ in PRESETS:
             operator = grid.operator(operators.SPECTRAL_TV_OT_filter.bl_idname, text=label)
             operator.preset = name
-            operator.first, operator.last = settings.first, settings.last
+            operator.first, operator.last = settings.chosen(name)
             operator.amount = settings.amount
         take = layout.operator(SPECTRAL_TV_OT_take_bands.bl_idname, icon="IMPORT")
         take.first, take.last = settings.first, settings.last
@@ -131,6 +133,33 @@ class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
         layout.operator(operators.SPECTRAL_TV_OT_apply_curve.bl_idname)
 
 
+class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
+    """Modifiers, which Blender does not apply to a mesh with shape keys"""
+
+    bl_label = "Apply Modifiers"
+    bl_parent_id = "SPECTRAL_TV_PT_bands"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return super().poll(context) and len(context.active_object.modifiers) > 0
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        obj = context.active_object
+        reason = apply_refusal(obj)
+        if reason is not None:
+            say(layout, context, reason, "INFO")
+        column = layout.column(align=True)
+        for modifier in obj.modifiers:
+            row = column.row(align=True)
+            row.enabled = modifier.show_viewport
+            operator = row.operator(
+                SPECTRAL_TV_OT_apply_modifier.bl_idname, text=modifier.name, icon="CHECKMARK"
+            )
+            operator.modifier = modifier.name
+
+
 class SPECTRAL_TV_PT_accuracy(BandsPanel, bpy.types.Panel):
     """How accurate the bands are for the number of steps"""
 
@@ -145,19 +174,19 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        settings, obj = context.scene.spectral_tv, context.active_object
+        obj = context.active_object
         record = record_of(obj)
-        layout.prop(settings, "steps")
+        settings = settings_as_taken(record)
         if jobs.running() is not None:
             draw_progress(layout, context)
             return
         count = len(obj.data.vertices)
+        layout.label(text=f"{settings.steps} steps, a half and a quarter of them", icon="BLANK1")
         draw_needs(layout, context, estimates.of_accuracy(record.method, count, settings.steps))
         operator = layout.operator(
             SPECTRAL_TV_OT_measure_accuracy.bl_idname, icon="DRIVER_DISTANCE"
         )
-        copy_choices(DecompositionProperties, settings, operator)
-        operator.method, operator.bands = record.method, len(record.bands)
+        operator.of_bands = True
         text = obj.data.spectral_tv.accuracy
         if text is None:
             return
@@ -171,5 +200,6 @@ CLASSES = (
     SPECTRAL_TV_PT_bands,
     SPECTRAL_TV_PT_filters,
     SPECTRAL_TV_PT_curve,
+    SPECTRAL_TV_PT_modifiers,
     SPECTRAL_TV_PT_accuracy,
 )

@@ -92,9 +92,9 @@ class SPECTRAL_TV_PT_scales(Sidebar, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = context.scene.spectral_tv
-        layout.active = settings.use_scales
-        layout.prop(settings, "finest")
-        layout.prop(settings, "largest")
+        layout.enabled = settings.use_scales
+        layout.prop(settings, "shown_finest")
+        layout.prop(settings, "shown_largest")
 
 
 class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
@@ -119,8 +119,8 @@ class SPECTRAL_TV_PT_base(Sidebar, bpy.types.Panel):
             row = layout.row(heading="Smoothing")
             row.prop(settings, "use_base_amount", text="")
             field = row.row()
-            field.active = settings.use_base_amount
-            field.prop(settings, "base_amount", text="")
+            field.enabled = settings.use_base_amount
+            field.prop(settings, "shown_base_amount", text="")
         elif settings.base == "KEY" and obj is not None and obj.type == "MESH":
             if obj.data.shape_keys is None:
                 say(layout, context, "The mesh has no shape keys", "INFO")

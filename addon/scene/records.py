@@ -1,23 +1,35 @@
 """What a mesh remembers of its decomposition: kept in the file, on the mesh's shape keys.
 
-A record names the shape key of each band and holds a digest of its shape, so that bands are
-found again after keys were renamed or reordered.
+A record names the shape key of each band and has its fingerprint, so that bands are found again
+after keys were renamed, reordered or sculpted, and no other key is taken for one.
 """
 
-import hashlib
-
 import bpy
-import numpy as np
-from bpy.props import CollectionProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    FloatProperty,
+    IntProperty,
+    StringProperty,
+)
+
+from .contents import digest, topology_digest
+from .coordinates import coordinates
+from .fingerprints import Fingerprint, Likeness, digests, recognise
+
+__all__ = ["coordinates", "digest", "topology_digest"]  # where they used to be
 
 
-class SpectralTVBand(bpy.types.PropertyGroup):
+class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
     """One band: the shape key it is, and the times it covers."""
 
-    key: StringProperty(name="Shape Key")
-    digest: StringProperty(name="Digest", description="Of the shape key's coordinates")
     start: FloatProperty(name="Start", description="Time at which the band starts, length²")
     end: FloatProperty(name="End", description="Time at which the band ends, length²")
+    was_muted: BoolProperty(
+        name="Was Muted",
+        description="Before another band was soloed",
+        override={"LIBRARY_OVERRIDABLE"},
+    )
 
 
 class SpectralTVSample(bpy.types.PropertyGroup):
@@ -32,12 +44,17 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
 
     identifier: StringProperty(name="Identifier", description="Of the flow, while it is in memory")
     method: StringProperty(name="Method")
+    settings: StringProperty(name="Settings", description="What it was decomposed by, as JSON")
     area: FloatProperty(name="Area", description="Of the surface in world space, length²")
     topology: StringProperty(name="Topology", description="Digest of the polygons")
     vertex_count: IntProperty(name="Vertices")
     corner_count: IntProperty(name="Face Corners")
-    vertex_group: StringProperty(name="Vertex Group", description="Limits the bands")
-    bands: CollectionProperty(type=SpectralTVBand)
+    solo: IntProperty(
+        name="Solo",
+        description="The band that is heard alone, from 1; 0 if none is",
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
     spectrum: CollectionProperty(type=SpectralTVSample)
 
 
@@ -54,35 +71,36 @@ def record_of(obj: bpy.types.Object | None) -> SpectralTVRecord | None:
 
 def band_keys(obj: bpy.types.Object) -> list[bpy.types.ShapeKey | None]:
     """The shape key of every band, None for those that were deleted."""
+    blocks = obj.data.shape_keys.key_blocks
+    return [blocks[name] if name else None for name, _ in recognise_bands(obj)]
+
+
+def bands_shown(obj: bpy.types.Object) -> list[bpy.types.ShapeKey | None]:
+    """The same for panels, which ask at every redraw: known again only when names change."""
     keys = obj.data.shape_keys
-    record = keys.spectral_tv
-    names = [key.name for key in keys.key_blocks]
-    wanted = [band.key for band in record.bands]
-    found = _found.get((keys.session_uid, record.identifier, *names))
-    if found is None:
-        found = _match(keys, record, names, wanted)
-        _found.clear()
-        _found[keys.session_uid, record.identifier, *names] = found
-    return [keys.key_blocks[name] if name else None for name in found]
+    question = (keys.session_uid, keys.spectral_tv.identifier, *keys.key_blocks.keys())
+    if question not in _shown:
+        _shown.clear()
+        _shown[question] = [name for name, _ in recognise_bands(obj)]
+    return [keys.key_blocks[name] if name else None for name in _shown[question]]
 
 
-# The last answer, as panels ask at every redraw and digests are not free.
-_found: dict[tuple, list[str]] = {}
+# The last answer.
+_shown: dict[tuple, list[str]] = {}
 
 
-def _match(keys: bpy.types.Key, record: SpectralTVRecord, names: list[str], wanted: list[str]):
-    """Names of the bands' keys today: by name where all are there, else by their shapes too."""
-    if all(name in names for name in wanted):
-        return wanted
-    present = set(wanted) & set(names)
-    spare = {
-        digest(coordinates(key.data)): key.name
-        for key in keys.key_blocks
-        if key.name not in present
-    }
-    return [
-        band.key if band.key in present else spare.get(band.digest, "") for band in record.bands
-    ]
+def recognise_bands(obj: bpy.types.Object) -> list[tuple[str, Likeness]]:
+    """The name of every band's key today, "" if it was deleted; and how like the band it is."""
+    return recognise(obj, "KEY", obj.data.shape_keys.spectral_tv.bands, any_copy=True)
+
+
+def renew_bands(obj: bpy.types.Object) -> None:
+    """Follow what the keys of bands are called today, and what rounding made of them."""
+    bands = obj.data.shape_keys.spectral_tv.bands
+    for band, (name, likeness) in zip(bands, recognise_bands(obj), strict=True):
+        is_same = likeness == Likeness.SAME
+        if is_same and (name, digests(obj, "KEY", [name])[name]) != (band.key, band.digest):
+            band.take(obj, "KEY", name)
 
 
 def topology_changed(obj: bpy.types.Object) -> bool:
@@ -92,35 +110,13 @@ def topology_changed(obj: bpy.types.Object) -> bool:
     return counts != (record.vertex_count, record.corner_count)
 
 
-def topology_digest(mesh: bpy.types.Mesh) -> str:
-    """Digest of which vertices the polygons connect."""
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    starts = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    mesh.polygons.foreach_get("loop_start", starts)
-    return digest(corners, starts)
-
-
-def coordinates(data: bpy.types.bpy_prop_collection) -> np.ndarray:
-    """Flat float32 coordinates of vertices or shape key points."""
-    flat = np.empty(3 * len(data), dtype=np.float32)
-    data.foreach_get("co", flat)
-    return flat
-
-
-def digest(*arrays: np.ndarray) -> str:
-    """A short digest of arrays' bytes."""
-    state = hashlib.blake2b(digest_size=12)
-    for array in arrays:
-        state.update(np.ascontiguousarray(array).tobytes())
-    return state.hexdigest()
-
-
 def register() -> None:
     """Register the properties, on the shape keys of every mesh."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Key.spectral_tv = bpy.props.PointerProperty(type=SpectralTVRecord)
+    bpy.types.Key.spectral_tv = bpy.props.PointerProperty(
+        type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"}
+    )
 
 
 def unregister() -> None:

@@ -5,28 +5,54 @@ import colorsys
 import bpy
 import numpy as np
 
-# Also the name of the colour attribute; the vertex groups are numbered.
-NAME = "Segment"
+from . import results
+from .contents import attribute_values
+from .names import free_name, taken_names
+from .notes import note
+from .results import Piece
+
+# What results are of, and the beginning of their names; the vertex groups are numbered.
+KIND, NAME = "SEGMENTS", "Segment"
+COLOR, SETS = "Color", "Face Sets"
+# Blender knows the face sets by their name, so there is one of them on a mesh.
 FACE_SETS = ".sculpt_face_set"
 OUTPUTS = (
     ("COLOR", "Colors", "A color attribute named Segment", "COLOR", 1),
     ("GROUPS", "Vertex Groups", "A vertex group per part", "GROUP_VERTEX", 2),
-    ("FACE_SETS", "Face Sets", "A face set per part, for sculpting", "FACE_MAPS", 4),
+    (
+        "FACE_SETS",
+        "Face Sets",
+        "A face set per part, for sculpting. Your own are kept as an attribute",
+        "FACE_MAPS",
+        4,
+    ),
 )
 # Hues a golden angle apart stay distinct however many there are.
 GOLDEN = 0.618034
 
 
 def write(obj: bpy.types.Object, labels: np.ndarray, segments: int, outputs: set[str]) -> None:
-    """Write the labels (V,), 0 to ``segments`` − 1, in the chosen ways; replaces what was there."""
-    mesh = obj.data
+    """Write labels (V,), 0 to ``segments`` − 1, in the chosen ways, in place of the last ones."""
+    pieces = {}
     if "COLOR" in outputs:
-        _write_colors(mesh, labels, segments)
+        palette = np.array([(*color(label), 1.0) for label in range(segments)])
+        pieces[COLOR] = Piece("ATTRIBUTE", palette[labels], "FLOAT_COLOR")
     if "GROUPS" in outputs:
-        _write_groups(obj, labels, segments)
+        for label in range(segments):
+            pieces[str(label + 1)] = Piece("GROUP", (labels == label).astype(float))
+
+    def is_stale(label: str) -> bool:
+        return "GROUPS" in outputs and label.isdecimal()
+
+    def wanted(_source: str, label: str) -> tuple[str, str]:
+        return NAME, label if label.isdecimal() else ""
+
+    names = results.write(obj, KIND, "", pieces, is_stale, wanted)
+    if "COLOR" in outputs:
+        attributes = obj.data.color_attributes
+        attributes.active_color = attributes[names[list(pieces).index(COLOR)]]
     if "FACE_SETS" in outputs:
-        _write_face_sets(mesh, labels)
-    mesh.update_tag()
+        _write_face_sets(obj, labels)
 
 
 def color(label: int) -> tuple[float, float, float]:
@@ -34,37 +60,9 @@ def color(label: int) -> tuple[float, float, float]:
     return colorsys.hsv_to_rgb((0.02 + GOLDEN * label) % 1, 0.65, 0.85 if label % 2 else 0.7)
 
 
-def _write_colors(mesh: bpy.types.Mesh, labels: np.ndarray, segments: int) -> None:
-    attribute = mesh.color_attributes.get(NAME)
-    if attribute is not None and (attribute.domain, attribute.data_type) != (
-        "POINT",
-        "FLOAT_COLOR",
-    ):
-        mesh.color_attributes.remove(attribute)
-        attribute = None
-    if attribute is None:
-        attribute = mesh.color_attributes.new(NAME, "FLOAT_COLOR", "POINT")
-    palette = np.array([(*color(label), 1.0) for label in range(segments)], dtype=np.float32)
-    attribute.data.foreach_set("color", palette[labels].ravel())
-    mesh.color_attributes.active_color = attribute
-
-
-def _write_groups(obj: bpy.types.Object, labels: np.ndarray, segments: int) -> None:
-    stale = [
-        group for group in obj.vertex_groups
-        if group.name.startswith(f"{NAME} ") and group.name.removeprefix(f"{NAME} ").isdecimal()
-    ]  # fmt: skip
-    for group in stale:
-        obj.vertex_groups.remove(group)
-    for label in range(segments):
-        members = np.flatnonzero(labels == label).tolist()
-        obj.vertex_groups.new(name=f"{NAME} {label + 1}").add(members, 1.0, "REPLACE")
-
-
-def _write_face_sets(mesh: bpy.types.Mesh, labels: np.ndarray) -> None:
-    attribute = mesh.attributes.get(FACE_SETS)
-    if attribute is None:
-        attribute = mesh.attributes.new(FACE_SETS, "INT", "FACE")
+def _write_face_sets(obj: bpy.types.Object, labels: np.ndarray) -> None:
+    """Write them over those that are there, which are kept elsewhere if they are the user's."""
+    mesh = obj.data
     # Faces across a border go to the smaller, hence more special part: the higher label.
     corners = np.empty(len(mesh.loops), dtype=np.int32)
     starts = np.empty(len(mesh.polygons), dtype=np.int32)
@@ -73,4 +71,19 @@ def _write_face_sets(mesh: bpy.types.Mesh, labels: np.ndarray) -> None:
     order = np.argsort(starts)
     faces = np.empty(len(starts), dtype=np.int32)
     faces[order] = np.maximum.reduceat(labels[corners], starts[order])
-    attribute.data.foreach_set("value", (faces + 1).astype(np.int32))
+    before = mesh.attributes.get(FACE_SETS)
+    if before is not None and FACE_SETS not in results.known(obj, "ATTRIBUTE").values():
+        _keep(obj, attribute_values(before))
+    if before is None:
+        mesh.attributes.new(FACE_SETS, "INT", "FACE")
+    results.write_over(obj, KIND, "", SETS, FACE_SETS, Piece("ATTRIBUTE", faces + 1, "INT", "FACE"))
+
+
+def _keep(obj: bpy.types.Object, sets: np.ndarray) -> None:
+    """Keep the user's face sets as an attribute, unless all faces are in one."""
+    count = len(np.unique(sets))
+    if count < 2:
+        return
+    name = free_name(SETS, "", taken_names(obj, "ATTRIBUTE"))
+    obj.data.attributes.new(name, "INT", "FACE").data.foreach_set("value", sets)
+    note(f"{count} face sets were replaced; the attribute {name!r} keeps them")

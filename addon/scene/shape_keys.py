@@ -1,33 +1,43 @@
-"""Writing displacements as relative shape keys."""
+"""Shape keys as displacements: read, written, and removed without moving what leans on them."""
 
 from collections.abc import Iterable, Sequence
 
 import bpy
 import numpy as np
 
-from .surface import basis_coordinates
+from .channels import remove_channels
+from .coordinates import basis_coordinates, coordinates
+from .mix import key_displacement
+from .names import free_name, taken_names
+from .whole import whole
 
 # −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.
 SLIDER_RANGE = (-10.0, 10.0)
 
 
+def key_shape(key: bpy.types.ShapeKey) -> np.ndarray:
+    """The shape that is seen with that key alone, at value 1, (V, 3) in object space."""
+    return _coordinates(key.id_data.reference_key) + key_displacement(key)
+
+
 def add_displacements(
     obj: bpy.types.Object, names: Sequence[str], displacements: Iterable[np.ndarray]
 ) -> list[bpy.types.ShapeKey]:
-    """Add one shape key relative to Basis per displacement, at value 0.
+    """Add one shape key relative to Basis per displacement, at value 0; all of them or none.
 
     ``displacements``, K of (V, 3), are in object space. Everything else on the object, the active
     shape key included, stays as it was; a mesh without shape keys is given its Basis.
     """
     mesh = obj.data
     active = obj.active_shape_key_index
-    if mesh.shape_keys is None:
-        obj.shape_key_add(name="Basis", from_mix=False)
-    basis = basis_coordinates(mesh)
-    keys = [
-        _add_key(obj, name, basis + displacement)
-        for name, displacement in zip(names, displacements, strict=True)
-    ]
+    with whole(obj):
+        if mesh.shape_keys is None:
+            obj.shape_key_add(name="Basis", from_mix=False)
+        basis = basis_coordinates(mesh)
+        keys = [
+            _add_key(obj, name, basis + displacement)
+            for name, displacement in zip(names, displacements, strict=True)
+        ]
     obj.active_shape_key_index = active
     mesh.update_tag()
     return keys
@@ -36,9 +46,64 @@ def add_displacements(
 def set_displacement(
     obj: bpy.types.Object, key: bpy.types.ShapeKey, displacement: np.ndarray
 ) -> None:
-    """Give a shape key of ``obj`` another displacement from Basis, (V, 3) in object space."""
-    _set_coordinates(key, basis_coordinates(obj.data) + displacement)
+    """Have a shape key of ``obj`` move the vertices by (V, 3), in object space.
+
+    Keys that are relative to it come along, so that they move the vertices as before.
+    """
+    if key.relative_key in (None, key):
+        key.relative_key = key.id_data.reference_key
+    before = _coordinates(key)
+    after = _coordinates(key.relative_key) + displacement
+    _set_coordinates(key, after)
+    _shift_relatives(key, after - before)
     obj.data.update_tag()
+
+
+def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
+    """Remove a shape key with all that animates it.
+
+    Keys that are relative to it are made relative to Basis, and move the vertices as before.
+    """
+    keys = key.id_data
+    basis = _coordinates(keys.reference_key)
+    for other in keys.key_blocks:
+        if other != key and other.relative_key == key:
+            moved = key_displacement(other)
+            shift = basis + moved - _coordinates(other)
+            _set_coordinates(other, basis + moved)
+            other.relative_key = keys.reference_key
+            _shift_relatives(other, shift)
+    remove_channels(keys, key)
+    obj.shape_key_remove(key)
+
+
+def move_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, place: int) -> None:
+    """Move a shape key up the list to a place, as far as Blender does that now."""
+    blocks = key.id_data.key_blocks
+    with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+        while (now := blocks.find(key.name)) > place:
+            obj.active_shape_key_index = now
+            if not bpy.ops.object.shape_key_move.poll():
+                return
+            bpy.ops.object.shape_key_move(type="UP")
+            if blocks.find(key.name) != now - 1:
+                return
+
+
+def _shift_relatives(key: bpy.types.ShapeKey, shift: np.ndarray) -> None:
+    """Move all keys that are relative to ``key``, at however many removes, by (V, 3)."""
+    moved, pending = {key.name}, [key]
+    while pending:
+        reference = pending.pop()
+        for other in key.id_data.key_blocks:
+            if other.name not in moved and other.relative_key == reference:
+                _set_coordinates(other, _coordinates(other) + shift)
+                moved.add(other.name)
+                pending.append(other)
+
+
+def _coordinates(key: bpy.types.ShapeKey) -> np.ndarray:
+    return coordinates(key.data).reshape(-1, 3).astype(np.float64)
 
 
 def _set_coordinates(key: bpy.types.ShapeKey, coordinates: np.ndarray) -> None:
@@ -46,6 +111,7 @@ def _set_coordinates(key: bpy.types.ShapeKey, coordinates: np.ndarray) -> None:
 
 
 def _add_key(obj: bpy.types.Object, name: str, coordinates: np.ndarray) -> bpy.types.ShapeKey:
+    name = free_name(name, "", taken_names(obj, "KEY"))
     key = obj.shape_key_add(name=name, from_mix=False)
     key.relative_key = obj.data.shape_keys.reference_key
     key.slider_min, key.slider_max = SLIDER_RANGE

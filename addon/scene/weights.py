@@ -1,15 +1,32 @@
 """Weights of vertex groups as arrays."""
 
+from collections.abc import Iterable
+
 import bpy
 import numpy as np
 
 
-def weights_of(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> np.ndarray:
-    """The weight of every vertex in a group, (V,); 0 outside."""
-    weights = np.zeros(len(obj.data.vertices))
-    index = group.index
+def members(
+    obj: bpy.types.Object, names: Iterable[str]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """The vertices in vertex groups and their weights, by the groups' names."""
+    groups = {obj.vertex_groups[name].index: name for name in names}
+    found: dict[str, tuple[list[int], list[float]]] = {name: ([], []) for name in groups.values()}
     for vertex in obj.data.vertices:
         for membership in vertex.groups:
-            if membership.group == index:
-                weights[vertex.index] = membership.weight
+            name = groups.get(membership.group)
+            if name is not None:
+                found[name][0].append(vertex.index)
+                found[name][1].append(membership.weight)
+    return {
+        name: (np.array(vertices, dtype=np.int32), np.array(values, dtype=np.float32))
+        for name, (vertices, values) in found.items()
+    }
+
+
+def weights_of(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> np.ndarray:
+    """The weight of every vertex in a group, (V,); 0 outside."""
+    vertices, found = members(obj, [group.name])[group.name]
+    weights = np.zeros(len(obj.data.vertices))
+    weights[vertices] = found
     return weights

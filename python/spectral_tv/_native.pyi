@@ -1,5 +1,5 @@
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, final
+from typing import Any, Literal, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,7 @@ __all__ = [
     "cosegment",
     "decompose",
     "decompose_image",
+    "default_base_time",
     "default_scales",
     "deform",
     "eigenpairs",
@@ -64,6 +65,8 @@ class Cancelled(Exception): ...
 
 @final
 class Mesh:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     def __new__(
         cls,
         vertices: ArrayLike,
@@ -90,6 +93,8 @@ class Mesh:
 
 @final
 class Findings:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def border_corners(self) -> int: ...
     @property
@@ -113,6 +118,8 @@ class Findings:
 
 @final
 class Flow:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def times(self) -> NDArray[np.float64]: ...
     @property
@@ -134,6 +141,8 @@ class Flow:
 
 @final
 class Decomposition:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def times(self) -> NDArray[np.float64]: ...
     @property
@@ -150,6 +159,8 @@ class Decomposition:
 
 @final
 class Accuracy:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def steps(self) -> NDArray[np.int64]: ...
     @property
@@ -171,6 +182,8 @@ class Accuracy:
 
 @final
 class Deformation:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -186,6 +199,8 @@ class Deformation:
 
 @final
 class Deformer:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     def __new__(
         cls,
         mesh: Mesh,
@@ -212,6 +227,8 @@ class Deformer:
 
 @final
 class EigensetTest:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def area(self) -> float: ...
     @property
@@ -241,6 +258,8 @@ class EigensetTest:
 
 @final
 class Estimate:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def bytes(self) -> int: ...
     @property
@@ -348,6 +367,7 @@ def accuracy(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    metric: Literal["surface", "base"] = "surface",
 ) -> Accuracy: ...
 def start_accuracy(
     mesh: Mesh,
@@ -363,6 +383,7 @@ def start_accuracy(
     p: int = 3,
     base: ArrayLike | None = None,
     base_time: float | None = None,
+    metric: Literal["surface", "base"] = "surface",
 ) -> Job: ...
 def eigenpairs(
     mesh: Mesh, count: int, progress: _Progress | None = None
@@ -448,6 +469,7 @@ def conformal_flow(
     solver: _Solver = "auto",
 ) -> NDArray[np.float64]: ...
 def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
+def default_base_time() -> float: ...
 def default_scales(method: _Method, eigenpairs: int = 300) -> tuple[float, float]: ...
 def graded_times(finest: float, largest: float, steps: int = 32) -> NDArray[np.float64]: ...
 def set_threads(count: int | None) -> None: ...

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from shapes import grid
 
 SCALARS = [
     "M1 Error of Bands",
@@ -109,3 +110,44 @@ def test_it_says_why_it_cannot(sphere):
         with pytest.raises(RuntimeError, match=message):
             bpy.ops.spectral_tv.measure_accuracy(**arguments)
     assert sphere.data.spectral_tv.accuracy is None
+
+
+def test_what_is_measured_is_what_the_bands_were_made_by():
+    """Whatever the sidebar says now."""
+    vertices, faces = grid(16, 16, 2.0, 2.0)
+    vertices[:, 2] = 0.6 * (np.hypot(*(vertices[:, :2] - 1).T) < 0.5)
+    mesh = bpy.data.meshes.new("Relief")
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    obj = bpy.data.objects.new("Relief", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    with pytest.raises(RuntimeError, match="it has no bands"):
+        bpy.ops.spectral_tv.measure_accuracy(of_bands=True)
+    obj.vertex_groups.new(name="Some").add([1, 2], 1, "REPLACE")
+    choices = {"finest": 3, "largest": 15, "base": "FLAT", "metric": "BASE", "method": "M3"}
+    bpy.ops.spectral_tv.decompose(bands=3, steps=8, use_scales=True, vertex_group="Some", **choices)
+    obj.vertex_groups.clear()
+    assert bpy.ops.spectral_tv.measure_accuracy(of_bands=True) == {"FINISHED"}
+    corners = vertices.astype(np.float32).astype(float)
+    relief = spectral_tv.Mesh(corners, faces)
+    scales = 0.03**2 * relief.area, 0.15**2 * relief.area
+    along_base, along_surface = (
+        spectral_tv.accuracy(
+            relief, "m3", [2, 4, 8], 3, scales=scales, base=corners * [1, 1, 0], metric=metric
+        ).bands[-1]
+        for metric in ("base", "surface")
+    )
+    np.testing.assert_allclose(values(obj, "M3 Error of Bands"), along_base, atol=5e-4)
+    assert np.abs(along_base - along_surface).max() > 0.01
+    rows = csv.DictReader(io.StringIO(obj.data.spectral_tv.accuracy.as_string()))
+    assert [row["Steps"] for row in rows] == ["2", "4", "8"]
+
+
+def test_bands_by_an_accuracy_are_measured_at_the_steps_that_were_taken(sphere):
+    bpy.ops.spectral_tv.decompose(method="M2", bands=2, use_accuracy=True, accuracy=40)
+    steps = len(sphere.data.shape_keys.spectral_tv.spectrum) + 1
+    bpy.ops.spectral_tv.measure_accuracy(of_bands=True)
+    rows = [*csv.DictReader(io.StringIO(sphere.data.spectral_tv.accuracy.as_string()))]
+    assert rows[-1]["Steps"] == str(steps)
+    assert "Band 2" in rows[0] and "Band 3" not in rows[0]
+    assert "M2 Error of Bands" in sphere.data.attributes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 from itertools import groupby
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+import spectral_tv
 
 EXTENSION = "bl_ext.user_default.spectral_tv"
 
@@ -56,6 +58,66 @@ def test_presets(banded, preset, expected):
     assert values(banded) == expected
 
 
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"preset": "LOW_PASS", "first": 1}, "no band is finer than band 1"),
+        ({"preset": "HIGH_PASS", "last": 9}, "no band is coarser than band 4"),
+        ({"preset": "BAND_PASS", "first": 1, "last": 4}, "all bands are chosen"),
+        ({"preset": "EXAGGERATE", "amount": 0}, "the amount is 0"),
+    ],
+)
+def test_a_preset_that_changes_nothing_says_so(banded, capfd, options, reason):
+    assert bpy.ops.spectral_tv.filter(**options) == {"FINISHED"}
+    assert f"changes nothing: {reason}" in capfd.readouterr().out
+    assert values(banded) == [0, 0, 0, 0]
+
+
+def test_what_keeps_a_filter_from_being_seen_is_told(banded, capfd):
+    keys = banded.data.shape_keys.key_blocks
+    keys["M1 Band 1"].mute = True
+    keys["M1 Band 2"].driver_add("value").driver.expression = "1"
+    keys["M1 Band 3"].keyframe_insert("value", frame=1)
+    keys["M1 Band 4"].slider_max = 2
+    banded.show_only_shape_key = True
+    bpy.ops.spectral_tv.filter(preset="EXAGGERATE", first=1, last=4, amount=3)
+    said = capfd.readouterr().out
+    assert "muted: M1 Band 1" in said
+    assert "driven, and do what their drivers say: M1 Band 2" in said
+    assert "keyframed; Keyframe keeps the new values: M1 Band 3" in said
+    assert "cut off at the ends of the sliders: M1 Band 4" in said
+    assert "only the active shape key is shown" in said
+
+
+@pytest.mark.parametrize("bands", [2, 3, 4, 5, 9])
+def test_every_preset_of_the_sidebar_does_something_as_it_stands(monkey, bands):
+    bpy.ops.spectral_tv.decompose(bands=bands, steps=12)
+    gains = import_module(f"{EXTENSION}.filters.gains")
+    sidebar = bpy.context.scene.spectral_tv_filter
+    assert 1 <= sidebar.first == sidebar.last <= bands
+    for preset in ("LOW_PASS", "HIGH_PASS", "BAND_PASS", "BAND_STOP", "EXAGGERATE"):
+        first, last = sidebar.chosen(preset)
+        assert (first, last) == (sidebar.first, sidebar.last) or bands == 2
+        assert any(gains.preset_values(preset, bands, first, last, sidebar.amount))
+    for name in ("spectral_tv_attributes", "spectral_tv_images"):
+        choices = getattr(bpy.context.scene, name)
+        choices.bands = bands
+        for preset in ("LOW_PASS", "HIGH_PASS", "BAND_PASS", "BAND_STOP", "EXAGGERATE"):
+            choices.preset = preset
+            chosen = choices.first, choices.last, choices.amount
+            assert any(gains.preset_values(preset, bands, *chosen)), (name, preset)
+
+
+def test_bands_that_are_chosen_in_the_sidebar_stay_chosen(banded):
+    sidebar = bpy.context.scene.spectral_tv_filter
+    sidebar.first = 4
+    assert (sidebar.first, sidebar.last) == (4, 4) == sidebar.chosen("LOW_PASS")
+    sidebar.own_first, sidebar.last = 0, 1
+    assert (sidebar.first, sidebar.last) == (1, 1)
+    sidebar.own_last = 0
+    assert (sidebar.first, sidebar.last) == (3, 3)
+
+
 def test_filter_leaves_other_keys_alone(banded):
     smile = banded.shape_key_add(name="Smile", from_mix=False)
     smile.value = 0.5
@@ -78,12 +140,65 @@ def test_curve_sets_bands_from_finest_to_largest(banded):
     np.testing.assert_allclose(values(banded), 3 - 4 * np.array([1, 3, 5, 7]) / 8 - 1, atol=1e-3)
 
 
+def test_a_curve_that_was_deleted_is_drawn_anew(banded):
+    bpy.ops.spectral_tv.add_curve()
+    nodes = bpy.data.node_groups[".Spectral TV Filter"].nodes
+    nodes.clear()
+    bpy.ops.spectral_tv.add_curve()
+    assert "Filter" in nodes and len(bpy.data.node_groups) == 1
+    bpy.ops.spectral_tv.apply_curve()
+    np.testing.assert_allclose(values(banded), 0, atol=1e-6)
+
+
 def test_solo_mutes_the_others_and_gives_them_back(banded):
     keys = banded.data.shape_keys.key_blocks[1:]
     bpy.ops.spectral_tv.solo(band=2)
     assert [key.mute for key in keys] == [True, False, True, True]
     bpy.ops.spectral_tv.solo(band=2)
     assert not any(key.mute for key in keys)
+
+
+def mutes(obj) -> list[bool]:
+    return [key.mute for key in obj.data.shape_keys.key_blocks if "Band" in key.name]
+
+
+def test_solo_gives_back_what_the_user_had_muted(banded):
+    banded.data.shape_keys.key_blocks["M1 Band 1"].mute = True
+    bpy.ops.spectral_tv.solo(band=2)
+    assert mutes(banded) == [True, False, True, True]
+    bpy.ops.spectral_tv.solo(band=1)
+    assert mutes(banded) == [False, True, True, True]
+    bpy.ops.spectral_tv.solo(band=1)
+    assert mutes(banded) == [True, False, False, False]
+
+
+def test_what_is_muted_or_unmuted_meanwhile_stays_so(banded):
+    keys = banded.data.shape_keys.key_blocks
+    keys["M1 Band 1"].mute = True
+    bpy.ops.spectral_tv.solo(band=2)
+    keys["M1 Band 3"].mute = False
+    keys["M1 Band 2"].mute = True
+    bpy.ops.spectral_tv.solo(band=4)
+    assert mutes(banded) == [True, True, True, False]
+    bpy.ops.spectral_tv.solo(band=4)
+    assert mutes(banded) == [True, True, False, False]
+
+
+def test_solo_is_kept_in_files(banded, tmp_path: Path):
+    banded.data.shape_keys.key_blocks["M1 Band 1"].mute = True
+    bpy.ops.spectral_tv.solo(band=2)
+    path, name = str(tmp_path / "solo.blend"), banded.name
+    bpy.data.libraries.write(path, {banded})
+    bpy.data.batch_remove([banded])
+    with bpy.data.libraries.load(path) as (_, target):
+        target.objects = [name]
+    loaded = target.objects[0]
+    bpy.context.collection.objects.link(loaded)
+    activate(loaded)
+    bpy.ops.spectral_tv.solo(band=2)
+    assert mutes(loaded) == [True, False, False, False]
+    with pytest.raises(RuntimeError, match="no band 5"):
+        bpy.ops.spectral_tv.solo(band=5)
 
 
 def test_keyframes_every_band(banded):
@@ -120,6 +235,31 @@ def test_copies_the_filter_to_other_poses(banded):
     assert values(other) == [-1, 0, -1, -1]
 
 
+@pytest.mark.parametrize(
+    "options",
+    [{"use_scales": True, "largest": 20}, {"method": "M2"}, {"bands": 3}],
+)
+def test_a_filter_is_not_copied_to_bands_of_other_sizes(banded, capfd, options):
+    other = banded.copy()
+    other.data = banded.data.copy()
+    bpy.context.collection.objects.link(other)
+    activate(other)
+    bpy.ops.spectral_tv.decompose(**{"bands": 4, "steps": 12, **options})
+    activate(banded)
+    other.select_set(True)
+    with pytest.raises(RuntimeError, match="decompose these by the same settings first"):
+        bpy.ops.spectral_tv.copy_filter()
+    bpy.context.view_layer.objects.active = other
+    scaled = other.copy()
+    scaled.data, scaled.scale = other.data.copy(), (3, 3, 3)
+    bpy.context.collection.objects.link(scaled)
+    activate(scaled)
+    bpy.ops.spectral_tv.decompose(**{"bands": 4, "steps": 12, **options})
+    activate(other)
+    scaled.select_set(True)
+    assert bpy.ops.spectral_tv.copy_filter() == {"FINISHED"}
+
+
 def test_cutting_again_uses_the_same_flow(banded):
     keys = banded.data.shape_keys.key_blocks
     total = sum(shape(key) - shape(keys[0]) for key in list(keys)[1:])
@@ -127,10 +267,10 @@ def test_cutting_again_uses_the_same_flow(banded):
     bpy.ops.spectral_tv.cut(bands=6)
     assert [key.name for key in keys] == [
         "Basis",
-        extra.name,
         *(f"M1 Band {i}" for i in range(1, 7)),
+        extra.name,
     ]
-    again = sum(shape(key) - shape(keys[0]) for key in list(keys)[2:])
+    again = sum(shape(key) - shape(keys[0]) for key in list(keys)[1:7])
     np.testing.assert_allclose(again, total, atol=1e-5)
     bpy.ops.spectral_tv.filter(preset="RESET")
     with pytest.raises(RuntimeError, match="number of bands"):
@@ -140,6 +280,9 @@ def test_cutting_again_uses_the_same_flow(banded):
 def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
     bands = import_module(f"{EXTENSION}.decomposition.bands")
     settings = import_module(f"{EXTENSION}.decomposition.settings").Settings
+
+    bands.forget_flows()  # those of other tests
+    bpy.ops.spectral_tv.decompose(bands=4, steps=12)
 
     def is_recalled(**choices) -> bool:
         return bands.recall(*bands.prepare(banded, settings(**choices))) is not None
@@ -196,6 +339,63 @@ def test_bands_survive_duplication_and_files(banded, tmp_path: Path):
     assert [sample.strength > 0 for sample in loaded.data.shape_keys.spectral_tv.spectrum]
 
 
+def test_another_key_by_the_name_of_a_deleted_band_is_no_band(banded):
+    banded.shape_key_remove(banded.data.shape_keys.key_blocks["M1 Band 3"])
+    smile = banded.shape_key_add(name="M1 Band 3", from_mix=False)
+    for point in list(smile.data)[:9]:
+        point.co.z += 0.1
+    assert smile.name == "M1 Band 3"
+    smile.value = 0.5
+    bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
+    assert values(banded) == [-1, -1, -1, 0.5]
+    bpy.ops.spectral_tv.cut(bands=2)
+    assert "M1 Band 3" in banded.data.shape_keys.key_blocks
+
+
+def test_another_key_by_the_name_of_a_renamed_band_is_no_band(banded):
+    keys = banded.data.shape_keys.key_blocks
+    keys["M1 Band 3"].name = "Folds"
+    banded.shape_key_add(name="M1 Band 3", from_mix=False).value = 0.5
+    bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
+    assert keys["M1 Band 3"].value == 0.5 and keys["Folds"].value == -1
+
+
+def test_a_sculpted_band_is_a_band(banded):
+    for point in list(banded.data.shape_keys.key_blocks["M1 Band 1"].data)[:50]:
+        point.co.z += 0.5
+    bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=1)
+    assert values(banded) == [-1, 0, 0, 0]
+
+
+def test_bands_outlive_sculpting_of_basis_and_new_names(banded):
+    bpy.ops.object.mode_set(mode="EDIT")
+    banded.active_shape_key_index = 0
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.translate(value=(0.1, 0.23, 0.37))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    banded.data.shape_keys.key_blocks["M1 Band 2"].name = "Wrinkles"
+    bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
+    assert values(banded) == [-1, -1, -1]
+    assert banded.data.shape_keys.key_blocks["Wrinkles"].value == -1
+
+
+def test_bands_of_a_file_of_0_1_0_are_known(banded):
+    """It kept names and digests, and no settings."""
+    record = banded.data.shape_keys.spectral_tv
+    record.settings = ""
+    for band in record.bands:
+        band.property_unset("sketch")
+        band.property_unset("places")
+        band.property_unset("moves")
+    keys = banded.data.shape_keys.key_blocks
+    keys["M1 Band 2"].name = "Wrinkles"
+    keys["M1 Band 3"].data[7].co.z += 0.1
+    bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
+    assert [key.value for key in keys][1:] == [-1, -1, -1, -1]
+    assert bpy.ops.spectral_tv.measure_accuracy(of_bands=True) == {"FINISHED"}
+    assert "M1 Error of Bands" in banded.data.attributes
+
+
 def test_a_deleted_band_is_left_out(banded):
     banded.shape_key_remove(banded.data.shape_keys.key_blocks["M1 Band 3"])
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
@@ -242,6 +442,39 @@ def test_scales_are_relative_to_the_size(monkey):
     assert record[1][1] == pytest.approx(100 * record[0][1], rel=1e-4)
     with pytest.raises(RuntimeError, match="finest scale"):
         bpy.ops.spectral_tv.decompose(use_scales=True, finest=10, largest=5)
+
+
+@pytest.mark.parametrize("method", ["M1", "M2", "M2_P2", "M3", "HEAT", "LB", "DISPLACEMENT"])
+def test_ticking_scales_or_smoothing_changes_nothing(method):
+    """The greyed numbers are the method's own, and stay in force until one is touched."""
+    choices = bpy.context.scene.spectral_tv
+    choices.method = method
+    before = choices.settings()
+    own = spectral_tv.default_scales(method.lower().partition("_")[0], choices.eigenpairs)
+    for _ in range(2):
+        shown = choices.shown_finest, choices.shown_largest, choices.shown_base_amount
+        expected = [100 * np.sqrt(area) for area in (*own, spectral_tv.default_base_time())]
+        np.testing.assert_allclose(shown, expected, rtol=1e-6)
+        assert choices.settings() == before
+        choices.use_scales = choices.use_base_amount = True
+    choices.shown_finest = 2
+    assert choices.settings() == replace(before, finest=0.02)
+    choices.use_scales = False
+    assert choices.shown_finest == pytest.approx(100 * np.sqrt(own[0]))
+    choices.use_scales = True
+    assert choices.shown_finest == 2
+    choices.finest, choices.use_scales, choices.use_base_amount = 0, False, False
+
+
+def test_unset_scales_of_an_operator_are_the_methods_own(monkey):
+    bpy.ops.spectral_tv.decompose(method="M2", bands=2, steps=6)
+    before = monkey.data.shape_keys.spectral_tv.identifier
+    times = [band.end for band in monkey.data.shape_keys.spectral_tv.bands]
+    bpy.ops.spectral_tv.decompose(method="M2", bands=2, steps=6, use_scales=True)
+    record = monkey.data.shape_keys.spectral_tv
+    assert [band.end for band in record.bands] == times and record.identifier != before
+    bpy.ops.spectral_tv.decompose(method="M2", bands=2, steps=6, use_scales=True, largest=20)
+    assert record.bands[-1].end / record.area == pytest.approx(0.04, rel=1e-5)
 
 
 def test_bases_of_m3():

@@ -114,6 +114,17 @@ def test_filters(sphere):
     np.testing.assert_allclose(alone, bands[1], **close)
 
 
+def test_a_filter_that_changes_nothing_says_so(sphere, capfd):
+    common = {"kind": "GROUP", "source": "Cap", "result": "FILTER", "bands": 3, "steps": 8}
+    flow(**common, preset="LOW_PASS", first=1)
+    assert "Low-Pass changes nothing: no band is finer than band 1" in capfd.readouterr().out
+    np.testing.assert_allclose(weights(sphere, "Cap Filtered"), CAP, atol=1e-5)
+    flow(**common, preset="GAINS", gains="1 1 1")
+    assert "the filter changes nothing: it keeps every band" in capfd.readouterr().out
+    flow(**common, preset="LOW_PASS", first=1, keep_rest=False)
+    assert "nothing" not in capfd.readouterr().out
+
+
 def test_running_again_replaces_its_own_output_alone(sphere):
     add_attribute(sphere, "Heat", VERTICES[:, 0])
     mine = np.arange(len(VERTICES))

@@ -48,6 +48,28 @@ def test_the_chosen_bands_are_replaced(pair):
     assert [key.value for key in twin.data.shape_keys.key_blocks[1:]] == [0, 0, 0, 0]
 
 
+def shown(obj) -> np.ndarray:
+    graph = bpy.context.evaluated_depsgraph_get()
+    return np.array([vertex.co for vertex in obj.evaluated_get(graph).data.vertices])
+
+
+def test_taking_again_takes_the_place_of_what_was_taken(pair):
+    obj, twin = pair
+    bpy.ops.spectral_tv.take_bands(first=1, last=2)
+    before, names = shown(obj), obj.data.shape_keys.key_blocks.keys()
+    bpy.ops.spectral_tv.take_bands(first=1, last=2)
+    assert obj.data.shape_keys.key_blocks.keys() == names
+    np.testing.assert_array_equal(shown(obj), before)
+    third = bpy.data.objects.new("Third", twin.data.copy())
+    bpy.context.scene.collection.objects.link(third)
+    twin.select_set(False)
+    third.select_set(True)
+    third.data.shape_keys.key_blocks["M1 Band 1"].name = "Skin"
+    bpy.ops.spectral_tv.take_bands(first=1, last=1)
+    assert obj.data.shape_keys.key_blocks.keys()[-2:] == ["Twin M1 Band 2", "Third Skin"]
+    np.testing.assert_allclose(shown(obj), before, atol=1e-6)
+
+
 def test_turned_and_scaled_objects_keep_the_detail_in_proportion(pair):
     obj, twin = pair
     twin.matrix_world = Euler((0.3, 0.8, 0)).to_matrix().to_4x4() * 2.0

@@ -19,6 +19,10 @@ def banded() -> bpy.types.Object:
     return obj
 
 
+def subdivided() -> None:
+    banded().modifiers.new("Subdivision", "SUBSURF")
+
+
 def pair() -> None:
     """Two selected balls with bands, the active one with a filter."""
     for name in ("Other", "Banded"):
@@ -60,6 +64,7 @@ def photo() -> None:
 # For every operator what there is before, and its arguments.
 CASES = {
     "add_curve": (banded, {}),
+    "apply_modifier": (subdivided, {}),
     "apply_curve": (banded, {}),
     "bake": (banded, {}),
     "bake_deformation": (held, {"frame_end": 3}),

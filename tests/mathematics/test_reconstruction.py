@@ -11,7 +11,7 @@ import pytest
 import reference
 import spectral_tv
 from band_errors import relative_errors, spread_bands
-from shapes import bumpy_sphere, icosphere
+from shapes import bumpy_sphere, grid, icosphere
 
 VERTICES, TRIANGLES = bumpy_sphere(4, amplitude=0.3)
 
@@ -134,3 +134,32 @@ def test_a_base_that_is_all_but_the_shape_leaves_nothing_to_filter():
     split = spectral_tv.decompose(mesh, "m3", steps=4, base_time=1e-153)
     np.testing.assert_array_equal(split.residual, vertices)
     np.testing.assert_array_equal(split.filter(np.ones(len(split.spectrum))), vertices)
+
+
+@pytest.mark.parametrize("metric", ["surface", "base"])
+def test_errors_are_those_of_the_flow_along_the_chosen_metric(metric):
+    vertices, triangles = grid(16, 16, 16.0, 16.0)
+    middle, corner = (np.hypot(*(vertices[:, :2] - at).T) for at in ((8, 8), (13, 3)))
+    vertices[:, 2] = 6.0 * (middle < 5) + 6.0 * (corner < 2)
+    relief, base = spectral_tv.Mesh(vertices, triangles), vertices * [1, 1, 0]
+    scales, common = (0.5, 12.0), {"base": base, "metric": metric}
+    flows = [
+        spectral_tv.decompose(relief, "m3", spectral_tv.graded_times(*scales, steps), **common).flow
+        for steps in (6, 18)
+    ]
+    common |= {"bands": 2, "scales": scales, "refinement": 3}
+    found = spectral_tv.accuracy(relief, "m3", [6], **common)
+    shape = (-1, len(vertices), 1)
+    coarse, fine = (
+        spread_bands(flow.times, flow.states.reshape(shape), found.edges) for flow in flows
+    )
+    distance = np.abs(coarse - fine)[..., 0]
+    np.testing.assert_allclose(found.bands[0], np.sqrt((distance**2).sum(axis=0)), atol=1e-9)
+    assert distance.max() > 1e-3
+    again = spectral_tv.start_accuracy(relief, "m3", [6], **common).result()
+    np.testing.assert_array_equal(again.bands, found.bands)
+
+
+def test_the_metric_of_a_base_needs_one(mesh):
+    with pytest.raises(spectral_tv.MeshError, match='the metric "base" is for the method "m3"'):
+        spectral_tv.accuracy(mesh, "m1", [8], metric="base")

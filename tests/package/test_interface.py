@@ -66,6 +66,17 @@ def test_default_times_are_graded_times():
         spectral_tv.default_scales("m4")
 
 
+def test_the_default_base_is_smoothed_for_the_default_time():
+    mesh = spectral_tv.Mesh(*icosphere(2))
+    time = spectral_tv.default_base_time() * mesh.area
+    for method in ("m3", "displacement"):
+        found, given = (
+            spectral_tv.decompose(mesh, method, steps=4, **arguments).residual
+            for arguments in ({}, {"base_time": time})
+        )
+        np.testing.assert_array_equal(found, given)
+
+
 def test_components_are_in_the_band_whose_edges_hold_their_time():
     mesh = spectral_tv.Mesh(*icosphere(2))
     split = spectral_tv.decompose(mesh, times=[0, 1e-3, 2e-3, 4e-3, 8e-3])

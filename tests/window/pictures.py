@@ -21,7 +21,7 @@ def panels() -> Steps[None]:
     yield from click(x + 60, y)
     yield from away()
     yield from picture("panel_scales")
-    x, y = yield from find("spectral_tv.largest", column=0.7)
+    x, y = yield from find("spectral_tv.shown_largest", column=0.7)
     settings().method = "M3"
     yield from click(x - 100, y - NEXT_HEADER)
     for base in ("FLOW", "FLAT", "KEY"):

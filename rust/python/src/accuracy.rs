@@ -169,7 +169,7 @@ impl Pickled for Accuracy {
 ///     The finest and the largest scale, length²; see `graded_times`. Default: the method's.
 /// refinement : int
 ///     The refined flow has so many times the most steps, at least 2.
-/// scheme, tolerance, solver, p, base, base_time
+/// scheme, tolerance, solver, p, base, base_time, metric
 ///     As `decompose` takes them; the paper's steps are "lagged".
 ///
 /// Returns
@@ -183,7 +183,8 @@ impl Pickled for Accuracy {
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", steps = None, bands = 5, progress = None, *,
                     scales = None, refinement = 8, scheme = "extrapolated", tolerance = 1e-3,
-                    solver = "auto", p = 3, base = None, base_time = None))]
+                    solver = "auto", p = 3, base = None, base_time = None,
+                    metric = "surface"))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -203,6 +204,7 @@ pub fn accuracy(
     #[pyo3(from_py_with = parameters::p)] p: u32,
     base: Option<Bound<'_, PyAny>>,
     #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
+    metric: &str,
 ) -> Result<Accuracy, Failure> {
     let request = Request {
         scheme,
@@ -211,6 +213,7 @@ pub fn accuracy(
         p,
         base,
         base_time,
+        metric,
         ..Request::plain(method, 1)
     };
     let request = accuracy_request(&request, steps, bands, scales, refinement)?;
@@ -228,7 +231,7 @@ pub fn accuracy(
 #[pyfunction]
 #[pyo3(signature = (mesh, method = "m1", steps = None, bands = 5, *, scales = None,
                     refinement = 8, scheme = "extrapolated", tolerance = 1e-3, solver = "auto",
-                    p = 3, base = None, base_time = None))]
+                    p = 3, base = None, base_time = None, metric = "surface"))]
 #[expect(
     clippy::too_many_arguments,
     reason = "keyword arguments of a Python function"
@@ -246,6 +249,7 @@ pub fn start_accuracy(
     #[pyo3(from_py_with = parameters::p)] p: u32,
     base: Option<Bound<'_, PyAny>>,
     #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
+    metric: &str,
 ) -> Result<Job, Failure> {
     let request = Request {
         scheme,
@@ -254,6 +258,7 @@ pub fn start_accuracy(
         p,
         base,
         base_time,
+        metric,
         ..Request::plain(method, 1)
     };
     let request = accuracy_request(&request, steps, bands, scales, refinement)?;

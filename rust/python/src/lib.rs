@@ -70,6 +70,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(image::start_decompose_image, module)?)?;
     module.add_function(wrap_pyfunction!(segmentation::cosegment, module)?)?;
     module.add_function(wrap_pyfunction!(segmentation::start_cosegment, module)?)?;
+    module.add_function(wrap_pyfunction!(settings::default_base_time, module)?)?;
     module.add_function(wrap_pyfunction!(settings::default_scales, module)?)?;
     module.add_function(wrap_pyfunction!(settings::graded_times, module)?)?;
     module.add_function(wrap_pyfunction!(threads::set_threads, module)?)?;

@@ -34,8 +34,8 @@ use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 ///     A length: surfaces are joined along open edges, which belong to one triangle only, that are
 ///     within it of one another. Corners there become one, at their mean, and an edge is split
 ///     at the corners of other edges that lie on it, which adds triangles. 0 joins what is at exactly
-///     the same place alone. A corner moves by less than a third of its shortest edge, however long
-///     `weld` is. Without it all vertices stay as they are.
+///     the same place alone. However long `weld` is, a corner reaches no farther than a quarter of its
+///     shortest edge, so that no edge collapses. Without it all vertices stay as they are.
 /// broken : {"refuse", "drop"}
 ///     What becomes of vertices that are not finite, or beyond 1e100: the mesh is refused, or they
 ///     are dropped with all their triangles, with a warning.
@@ -49,7 +49,9 @@ use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 /// Warns
 /// -----
 /// MeshWarning
-///     If vertices were dropped.
+///     If vertices were dropped; and of what is probably a mistake: triangles that are not joined,
+///     borders that lie on one another or nearly so, to 1e-5 of the size, and are not welded;
+///     triangles that are there twice; vertices most of which are in no triangle.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Mesh {
     pub inner: Arc<TriangleMesh>,
@@ -72,11 +74,16 @@ impl Mesh {
         };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let mesh = made(py, vertices, &triangles, |vertices, triangles| {
-            TriangleMesh::repaired(vertices, triangles, &repair)
+        let (mesh, doubts) = made(py, vertices, &triangles, |vertices, triangles| {
+            let mesh = TriangleMesh::repaired(vertices, triangles, &repair)?;
+            let doubts = mesh.doubts(repair.weld);
+            Ok((mesh, doubts))
         })?;
-        if mesh.weld_map().is_some() && mesh.findings().dropped_vertices > 0 {
+        if matches!(mesh.weld_map(), Some(map) if map.contains(&None)) {
             warn(py, &mesh.findings().dropped())?;
+        }
+        for doubt in doubts {
+            warn(py, &doubt.to_string())?;
         }
         Ok(Self {
             inner: Arc::new(mesh),
@@ -222,12 +229,12 @@ fn read_weld_map(map: &[i64]) -> Result<Vec<Option<u32>>, Failure> {
 }
 
 /// Makes a mesh, if there is memory for it.
-fn made(
+fn made<T: Send>(
     py: Python<'_>,
     vertices: Vec<[f64; 3]>,
     triangles: &[[i64; 3]],
-    make: impl FnOnce(Vec<[f64; 3]>, &[[i64; 3]]) -> spectral_tv::Result<TriangleMesh> + Send,
-) -> Result<TriangleMesh, Failure> {
+    make: impl FnOnce(Vec<[f64; 3]>, &[[i64; 3]]) -> spectral_tv::Result<T> + Send,
+) -> Result<T, Failure> {
     guarded(py, |stage| {
         claim(stage, vertices.len(), triangles.len())?;
         make(vertices, triangles)

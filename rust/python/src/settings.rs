@@ -161,6 +161,17 @@ pub fn default_scales(
     Ok(relative_scales(&request.method()?))
 }
 
+/// How far "m3" and "displacement" smooth their base where neither `base` nor `base_time` is given.
+///
+/// Returns
+/// -------
+/// float
+///     t/area: features of the size ℓ vanish from the base at a time of the order of ℓ².
+#[pyfunction]
+pub fn default_base_time() -> f64 {
+    Base::default().duration(1.0)
+}
+
 /// Times for `decompose`: from 0, evenly spaced at first and from about `finest` on in log t.
 ///
 /// Parameters

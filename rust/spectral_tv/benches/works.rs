@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use ndarray::Array2;
+use ndarray::{Array1, Array2};
 
 use spectral_tv::Result;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
@@ -197,7 +197,7 @@ fn spectrum_and_filter(mesh: &TriangleMesh) -> Result<()> {
     let shape = spectral_tv::operators::positions(mesh);
     let monitor = Monitor::new();
     let operators = Discretization::new(mesh, monitor.whole())?;
-    let decay = |k: usize| {
+    let decay = |k: usize, _: &Array1<f64>| {
         Array2::from_shape_fn(shape.dim(), |(channel, vertex)| {
             let extinction = 1 + (vertex % times.len());
             shape[[channel, vertex]] * (1.0 - k as f64 / extinction as f64).max(0.0)

@@ -123,9 +123,7 @@ pub fn conformal_mean_curvature_flow(
     let initial = positions(mesh);
     let weights = Weights::Lagged;
     let flow = semi_implicit_flow(operators, &law, weights, initial, &times, solver, stage)?;
-    let mut state = flow.initial().to_owned();
-    flow.add_increments(&vec![1.0; steps], &mut state);
-    Ok(state)
+    Ok(flow.combined(&vec![1.0; steps]))
 }
 
 /// Area of a triangle whose corners' positions are columns of `positions` (3, V).

@@ -3,10 +3,11 @@
 use ndarray::{Array1, Array2, Axis, Slice, aview1};
 
 use crate::error::{Error, Result};
+use crate::flow::origin::{origin_of, without};
 use crate::flow::recorder::check_steps;
 use crate::flow::trajectory::Trajectory;
 use crate::memory::needs;
-use crate::mesh::{TriangleMesh, component_count, connected_components};
+use crate::mesh::{TriangleMesh, component_count, components_of, connected_components};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness};
 use crate::solver::{Cholesky, Operator, largest_eigenpairs};
@@ -95,9 +96,14 @@ impl Eigenpairs {
         stage: Stage,
     ) -> Result<Trajectory> {
         operators.check_values(initial.view())?;
-        let weighted = &initial * &aview1(operators.masses());
-        let coefficients = weighted.dot(&self.eigenfunctions.t());
-        Trajectory::sampled(operators, times, initial, stage, |k| {
+        // Constants stay as they are.
+        let is_held = self.has_constants(operators);
+        let rest = match is_held {
+            true => without(initial.clone(), &origin_of(initial.view())),
+            false => initial.clone(),
+        };
+        let coefficients = (rest * aview1(operators.masses())).dot(&self.eigenfunctions.t());
+        Trajectory::sampled(operators, times, initial, stage, |k, origin| {
             let left = |lambda: &f64| (1.0 - lambda * times[k]).max(0.0);
             let left: Vec<f64> = self.eigenvalues.iter().map(left).collect();
             // The sum only over what is left of it.
@@ -109,8 +115,21 @@ impl Eigenpairs {
             let functions = self
                 .eigenfunctions
                 .slice_axis(Axis(0), Slice::from(..alive));
-            (&coefficients * &aview1(&left[..alive])).dot(&functions)
+            let state = (&coefficients * &aview1(&left[..alive])).dot(&functions);
+            match is_held {
+                true => state,
+                false => without(state, origin),
+            }
         })
+    }
+
+    /// Whether the constants of all components are among the eigenfunctions.
+    fn has_constants(&self, operators: &Discretization) -> bool {
+        let gradient = operators.gradient();
+        let vertices = operators.masses().len();
+        let components = components_of(vertices, gradient.triangles(), gradient.face_areas());
+        let constants = self.eigenvalues.iter().filter(|&&value| value == 0.0);
+        constants.count() >= component_count(&components)
     }
 
     /// N + 1 times for that flow, length²: t₁ before and t₂ at the extinction of the finest

@@ -1,9 +1,10 @@
 //! Collects the trajectory of a running flow.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array1, Array2, ArrayView2};
 
 use crate::error::{Error, Result, has_usable_size};
 use crate::flow::increment::{Increment, Precision};
+use crate::flow::origin::{origin_of, without};
 use crate::flow::trajectory::Trajectory;
 use crate::operators::{Discretization, total_variation};
 
@@ -23,9 +24,10 @@ pub(super) struct Solution {
 /// TV relative to the initial one below which nothing is left to decay.
 const EXTINCT: f64 = 1e-9;
 
-/// The trajectory so far, and its last two states as they were solved for.
+/// The trajectory so far, and its last two states as they were solved for, apart from a constant.
 pub(super) struct Recorder {
     trajectory: Trajectory,
+    origin: Array1<f64>,
     state: Array2<f64>,
     previous: Option<Array2<f64>>,
 }
@@ -45,11 +47,18 @@ impl Recorder {
             gaps: Vec::new(),
             initial,
         };
+        let origin = origin_of(trajectory.initial.view());
         Ok(Self {
-            state: trajectory.initial.clone(),
+            state: without(trajectory.initial.clone(), &origin),
+            origin,
             trajectory,
             previous: None,
         })
+    }
+
+    /// The constant, (C), that states are recorded apart from.
+    pub fn origin(&self) -> &Array1<f64> {
+        &self.origin
     }
 
     /// The last state recorded, (C, V).

@@ -28,7 +28,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// A flow from `initial` (C, V) whose states are known: `state` gives u(t_k) for k > 0.
+    /// A flow from `initial` (C, V) whose states are known: `state` gives u(t_k) for k > 0, less the
+    /// constant (C) that it is given.
     ///
     /// # Errors
     /// If the times do not increase from 0, a value is not finite, or the monitor was cancelled.
@@ -37,12 +38,12 @@ impl Trajectory {
         times: &[f64],
         initial: Array2<f64>,
         stage: Stage,
-        mut state: impl FnMut(usize) -> Array2<f64>,
+        mut state: impl FnMut(usize, &Array1<f64>) -> Array2<f64>,
     ) -> Result<Self> {
         let mut record = Recorder::new(operators, initial, times)?;
         for k in 1..times.len() {
             stage.report(k as f64 / times.len() as f64)?;
-            let state = state(k);
+            let state = state(k, record.origin());
             let variation = total_variation(operators.gradient(), state.view());
             let solution = Solution {
                 state,
@@ -119,10 +120,11 @@ impl Trajectory {
 
     /// u(t_k) for k = 0 … N, (C, V) each, added up on the way.
     pub fn states(&self) -> impl Iterator<Item = Array2<f64>> + '_ {
-        let mut state = self.initial.clone();
+        // Apart from the first, which may be far from 0: every sum would take digits.
+        let mut change = Array2::zeros(self.initial.dim());
         let later = self.increments.iter().map(move |increment| {
-            increment.add_to(1.0, &mut state);
-            state.clone()
+            increment.add_to(1.0, &mut change);
+            &self.initial + &change
         });
         std::iter::once(self.initial.clone()).chain(later)
     }
@@ -134,6 +136,14 @@ impl Trajectory {
                 increment.add_to(factor, sum);
             }
         }
+    }
+
+    /// u(0) + Σ_k a_k (u(t_{k+1}) − u(t_k)), (C, V), for the N `factors` a_k.
+    pub fn combined(&self, factors: &[f64]) -> Array2<f64> {
+        let mut sum = Array2::zeros(self.initial.dim());
+        self.add_increments(factors, &mut sum);
+        sum += &self.initial;
+        sum
     }
 
     /// Mean of u(t_k) over the surface weighted by `weights` (V), (N + 1, C): the value of a set

@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use crate::mesh::open_edges::{OpenEdge, vertices_of};
+
 /// Counts of what was found in a mesh, and done about it, when it was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Findings {
@@ -24,6 +26,16 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// What is found at these open edges, as long as nothing is done about them.
+    pub(super) fn of_border(border: &[OpenEdge]) -> Self {
+        Self {
+            border_corners: vertices_of(border).len(),
+            open_edges_before: border.len(),
+            open_edges: border.len(),
+            ..Self::default()
+        }
+    }
+
     /// Whether anything was done.
     pub fn is_repaired(&self) -> bool {
         self.joined_corners + self.closed_junctions + self.dropped_vertices > 0
@@ -85,7 +97,7 @@ pub(super) fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place) % 3 == 0 {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
             text.push(' ');
         }
         text.push(digit);

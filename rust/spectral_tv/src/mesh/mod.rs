@@ -1,6 +1,7 @@
 //! The triangle mesh every flow runs on: validated once, immutable afterwards.
 
 mod components;
+mod doubts;
 mod findings;
 mod intrinsic;
 mod open_edges;
@@ -15,9 +16,10 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use components::surface_count;
 pub(crate) use components::{component_count, components_of, connected_components};
+pub use doubts::Doubt;
 pub use findings::Findings;
 use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
-use open_edges::{open_edges, vertices_of};
+use open_edges::open_edges;
 pub use repair::{Broken, Repair};
 use repair::{Repaired, check_weld_map};
 
@@ -44,7 +46,9 @@ pub struct TriangleMesh {
     area: f64,
     /// Where the vertices that were handed in went, if they are not the same.
     weld_map: Option<Vec<Option<u32>>>,
-    /// Counted when they are asked for, where nothing was done.
+    /// Counts of what was done, and of open edges; `None` where nothing was to be done.
+    done: Option<Findings>,
+    /// The same with what is counted only when it is asked for.
     findings: OnceLock<Findings>,
 }
 
@@ -76,9 +80,7 @@ impl TriangleMesh {
         let ready = Repaired::new(vertices, triangles, repair)?;
         let mut mesh = Self::measured(ready.vertices, ready.triangles, None)?;
         mesh.weld_map = ready.weld_map;
-        if let Some(done) = ready.findings {
-            mesh.findings = mesh.found(done).into();
-        }
+        mesh.done = ready.findings;
         Ok(mesh)
     }
 
@@ -158,17 +160,9 @@ impl TriangleMesh {
             vertex_areas,
             area,
             weld_map: None,
+            done: None,
             findings: OnceLock::new(),
         })
-    }
-
-    /// What was `done`, and what is found in the mesh as it is now.
-    fn found(&self, done: Findings) -> Findings {
-        Findings {
-            open_edges: open_edges(self.vertex_count(), &self.triangles).len(),
-            components: surface_count(self),
-            ..done
-        }
     }
 
     /// Number of vertices, V.
@@ -219,13 +213,12 @@ impl TriangleMesh {
     /// What was found and done when the mesh was read.
     pub fn findings(&self) -> &Findings {
         if self.findings.get().is_none() {
-            let border = open_edges(self.vertex_count(), &self.triangles);
             let found = Findings {
-                border_corners: vertices_of(&border).len(),
-                open_edges_before: border.len(),
-                open_edges: border.len(),
                 components: surface_count(self),
-                ..Findings::default()
+                ..self.done.unwrap_or_else(|| {
+                    let border = open_edges(self.vertex_count(), &self.triangles);
+                    Findings::of_border(&border)
+                })
             };
             // Whoever was faster has found the same. It is kept at once, so that no process can be
             // forked while it is waited for.

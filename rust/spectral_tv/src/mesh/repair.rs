@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result, has_usable_size};
 use crate::mesh::findings::{Findings, counted, counted_as, grouped};
-use crate::mesh::weld::{Surface, check_tolerance};
+use crate::mesh::open_edges::open_edges;
+use crate::mesh::weld::{check_tolerance, weld};
 
 /// What is done to a mesh when it is read.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -14,7 +15,7 @@ pub struct Repair {
     ///
     /// Corners on open edges (of one triangle only) become one where they are within the length,
     /// the nearest first, and an open edge is split at the corners of others that lie on it.
-    /// Corners move by less than a third of their shortest edge, whatever the length.
+    /// However long it is, corners reach no farther than a quarter of their shortest edge.
     pub weld: Option<f64>,
     /// What becomes of vertices that are not finite.
     pub broken: Broken,
@@ -90,11 +91,7 @@ impl Repaired {
                 counted(before, "triangle")
             )));
         }
-        self.findings = Some(Findings {
-            dropped_vertices: broken.len(),
-            dropped_triangles: before - left.len(),
-            ..Findings::default()
-        });
+        let dropped_triangles = before - left.len();
         let mut count = 0;
         let number = |is_left: bool| {
             count += u32::from(is_left);
@@ -102,40 +99,38 @@ impl Repaired {
         };
         let map: WeldMap = is_left.iter().copied().map(number).collect();
         self.renumber(left, map);
+        self.findings = Some(Findings {
+            dropped_vertices: broken.len(),
+            dropped_triangles,
+            ..Findings::of_border(&open_edges(self.vertices.len(), &self.triangles))
+        });
         Ok(())
     }
 
     fn weld(&mut self, tolerance: f64) {
         let vertices = std::mem::take(&mut self.vertices);
-        let surface = Surface::welded(vertices, self.triangles.to_vec(), tolerance);
-        let is_first = |vertex: usize| surface.place[vertex] as usize == vertex;
-        let mut members = vec![0_u32; surface.place.len()];
-        for &place in &surface.place {
-            members[place as usize] += 1;
-        }
-        let joined = surface.place.iter();
-        let joined = joined.filter(|&&place| members[place as usize] > 1).count();
+        let welded = weld(vertices, &self.triangles, tolerance);
+        let dropped = self.findings.unwrap_or_default();
         self.findings = Some(Findings {
-            border_corners: surface.border_vertices,
-            joined_corners: joined,
-            closed_junctions: surface.junctions,
-            open_edges_before: surface.open_edges,
-            ..self.findings.unwrap_or_default()
+            dropped_vertices: dropped.dropped_vertices,
+            dropped_triangles: dropped.dropped_triangles,
+            ..welded.findings
         });
+        self.vertices = welded.vertices;
+        if welded.findings.joined_corners + welded.findings.closed_junctions == 0 {
+            return;
+        }
         let mut count = 0;
-        let mut numbers = vec![0; surface.place.len()];
-        for vertex in (0..numbers.len()).filter(|&vertex| is_first(vertex)) {
-            numbers[vertex] = count;
-            count += 1;
+        let mut numbers = vec![0; welded.place.len()];
+        for (vertex, &place) in welded.place.iter().enumerate() {
+            if place as usize == vertex {
+                numbers[vertex] = count;
+                count += 1;
+            }
         }
-        let map = surface.place.iter();
+        let map = welded.place.iter();
         let map = map.map(|&place| Some(numbers[place as usize])).collect();
-        let (vertices, triangles) = (surface.vertices, surface.triangles);
-        self.vertices = vertices;
-        match joined {
-            0 => self.triangles = triangles.into(),
-            _ => self.renumber(triangles, map),
-        }
+        self.renumber(welded.triangles, map);
     }
 
     /// Takes these `triangles`, and every vertex by its new number; of those that get the same one

@@ -186,10 +186,7 @@ fn paper_all_pass(
     let ones = vec![1.0; transform.component_times().len()];
     let times = transform.times();
     let last = times.len() - 1;
-    let mut end = transform.trajectory().initial().to_owned();
-    transform
-        .trajectory()
-        .add_increments(&vec![1.0; last], &mut end);
+    let end = transform.trajectory().combined(&vec![1.0; last]);
     let mut shape = transform.combination(&ones) + &end;
     let mut first = 0;
     for Flowed { law, values } in flows {

@@ -27,7 +27,8 @@ pub(super) fn bands(trajectory: &Trajectory, edges: &[f64]) -> Vec<Array2<f64>> 
         let share = (edge - node(k - 1)) / (node(k) - node(k - 1));
         let factor =
             |step: usize| (1.0 - share) * share_of(step, k - 1) + share * share_of(step, k);
-        let mut value = trajectory.initial().to_owned();
+        // u(0) apart, which is the same at every edge.
+        let mut value = Array2::zeros(trajectory.initial().dim());
         trajectory.add_increments(&(0..steps).map(factor).collect::<Vec<_>>(), &mut value);
         value
     };

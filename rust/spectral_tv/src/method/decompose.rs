@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use crate::error::{Error, Result};
 use crate::flow::{
-    Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow,
+    Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow, without,
 };
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
@@ -218,7 +218,10 @@ fn by_base(
     let shape = base.shape(mesh, operators, settings.solver, stage)?;
     let time = base.duration(mesh.area());
     let times = [0.0, time, 2.0 * time];
-    Trajectory::sampled(operators, &times, positions(mesh), stage, |_| shape.clone())
+    let initial = positions(mesh);
+    Trajectory::sampled(operators, &times, initial, stage, |_, origin| {
+        without(shape.clone(), origin)
+    })
 }
 
 /// Runs `law` from `values` (C, V) through `times` by `scheme`, the systems of semi-implicit

@@ -38,7 +38,7 @@ pub(super) fn outward_signs(
         .zip(masses)
         .map(|(length, mass)| length * mass)
         .sum();
-    let mean = total / masses.iter().sum::<f64>();
+    let mean = total / operators.area();
     if mean == 0.0 {
         return Ok(vec![1.0; lengths.len()]);
     }

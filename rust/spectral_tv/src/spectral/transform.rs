@@ -62,9 +62,7 @@ impl SpectralTransform {
         // R = u_N − t_N/(t_N − t_{N−1}) (u_N − u_{N−1})
         let mut factors = vec![1.0; last];
         factors[last - 1] -= times[last] / (times[last] - times[last - 1]);
-        let mut residual = self.trajectory.initial().to_owned();
-        self.trajectory.add_increments(&factors, &mut residual);
-        residual
+        self.trajectory.combined(&factors)
     }
 
     /// Σ_k H(t_k) φ_k, (C, V), without the residual; `gains` are the N − 1 values H(t_k).

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
 
-use crate::mesh::open_edges::{OpenEdge, open_edges};
-use crate::mesh::weld::{Corner, REACH, Surface, squared_distance};
+use crate::mesh::open_edges::OpenEdge;
+use crate::mesh::weld::surface::{Corner, REACH, Surface, around, distance, squared_distance};
 
 /// The most edges that a corner splits at once, the nearest to it.
 const EDGES: usize = 16;
@@ -20,24 +20,27 @@ struct Junction {
     at: f64,
     /// Number of the corner.
     corner: u32,
+    /// How far the corner is from it.
+    distance: f64,
 }
 
 /// A part of an open edge, or all of it: its ends, the lower vertex first, and the edge.
 type Piece = ([u32; 2], usize);
 
 /// Splits open edges at the corners of other open edges that are on them, within reach, where
-/// that closes some of their pieces. Returns how many corners on edges these are.
-pub(super) fn close(surface: &mut Surface, border: &mut Vec<OpenEdge>, tolerance: f64) -> usize {
-    let corners = surface.corners(border);
-    let edges = Edges::new(surface, border, &corners);
+/// that closes some of their pieces; whether there were any.
+pub(super) fn close(surface: &mut Surface, tolerance: f64) -> bool {
+    let corners = surface.corners();
+    let edges = Edges::new(surface, &corners);
     let junctions = edges.junctions(surface, &corners, tolerance);
     let junctions = edges.useful(junctions, &corners);
     if junctions.is_empty() {
-        return 0;
+        return false;
     }
-    split(surface, &edges, &junctions, &corners);
-    *border = open_edges(surface.vertices.len(), &surface.triangles);
-    junctions.len()
+    let parts = edges.parts(surface, &junctions, &corners);
+    let gap = junctions.iter().fold(0.0_f64, |max, j| max.max(j.distance));
+    surface.split(parts.into_iter(), junctions.len(), gap);
+    true
 }
 
 /// The open edges, ordered by place and directed.
@@ -48,16 +51,14 @@ struct Edges {
 }
 
 impl Edges {
-    fn new(surface: &Surface, border: &[OpenEdge], corners: &[Corner]) -> Self {
-        let mut numbers = vec![0; surface.vertices.len()];
-        for (number, corner) in corners.iter().enumerate() {
-            numbers[corner.vertex as usize] = number as u32;
-        }
+    fn new(surface: &Surface, corners: &[Corner]) -> Self {
+        let numbers = surface.numbers(corners);
         let ends = |edge: &OpenEdge| {
             let [a, b] = edge.ends.map(|end| numbers[end as usize]);
             [a.min(b), a.max(b)]
         };
-        let mut edges: Vec<_> = border.iter().map(|edge| (ends(edge), *edge)).collect();
+        let edges = surface.border().iter().map(|edge| (ends(edge), *edge));
+        let mut edges: Vec<_> = edges.collect();
         edges.par_sort_unstable();
         let (ends, edges) = edges.into_iter().unzip();
         Self { edges, ends }
@@ -73,30 +74,7 @@ impl Edges {
         let tree = RTree::bulk_load(lines.collect());
         let numbers = (0..corners.len()).into_par_iter();
         let mut junctions: Vec<_> = numbers
-            .flat_map_iter(|number| {
-                let Corner { vertex, position } = corners[number];
-                let reach = reaches[number];
-                let near = tree.nearest_neighbor_iter_with_distance_2(&position);
-                near.take_while(move |(_, squared)| *squared <= reach * reach)
-                    .filter_map(move |(line, squared)| {
-                        let edge = self.edges[line.data];
-                        let triangle = surface.triangles[edge.triangle];
-                        if triangle.contains(&vertex) {
-                            return None;
-                        }
-                        let apex = surface.vertices[triangle[edge.apex] as usize];
-                        let height = line_distance_2(line.geom(), apex).sqrt();
-                        let at = along(line.geom(), position);
-                        let is_inside = at > 0.0 && at < 1.0;
-                        let is_on = is_inside && squared.sqrt() <= REACH * height;
-                        is_on.then_some(Junction {
-                            edge: line.data,
-                            at,
-                            corner: number as u32,
-                        })
-                    })
-                    .take(EDGES)
-            })
+            .flat_map_iter(|number| self.splits(surface, &tree, corners, number, reaches[number]))
             .collect();
         junctions.par_sort_unstable_by(|a, b| {
             let along = a.at.total_cmp(&b.at);
@@ -106,6 +84,56 @@ impl Edges {
                 .then(a.corner.cmp(&b.corner))
         });
         junctions
+    }
+
+    /// The edges of `tree` that the corner of this number splits, within its reach: of every
+    /// triangle at most the nearest, as the corner can be at one place only.
+    fn splits(
+        &self,
+        surface: &Surface,
+        tree: &RTree<GeomWithData<Line<[f64; 3]>, usize>>,
+        corners: &[Corner],
+        number: usize,
+        reach: f64,
+    ) -> Vec<Junction> {
+        let Corner { vertex, position } = corners[number];
+        let near = tree.locate_in_envelope_intersecting(&around(position, reach));
+        let near = near.filter_map(|line| {
+            let (geometry, edge) = (line.geom(), self.edges[line.data]);
+            let triangle = surface.triangles()[edge.triangle];
+            let at = along(geometry, position);
+            if triangle.contains(&vertex) || !(at > 0.0 && at < 1.0) {
+                return None;
+            }
+            let apex = surface.vertices()[triangle[edge.apex] as usize];
+            let [from, to] = [geometry.from, geometry.to];
+            let length = distance(from, to);
+            let size = length.min(line_distance(geometry, apex));
+            let away = line_distance(geometry, position);
+            // Edges get shorter when they are split.
+            let is_between = distance(from, position).max(distance(position, to)) < length;
+            let is_on = is_between && away <= reach.min(REACH * size);
+            is_on.then_some(Junction {
+                edge: line.data,
+                at,
+                corner: number as u32,
+                distance: away,
+            })
+        });
+        let mut near: Vec<_> = near.collect();
+        near.sort_unstable_by(|a, b| {
+            let distances = a.distance.total_cmp(&b.distance);
+            distances.then(a.edge.cmp(&b.edge))
+        });
+        let mut found: Vec<Junction> = Vec::new();
+        for junction in near {
+            let triangle = |junction: &Junction| self.edges[junction.edge].triangle;
+            let is_split = |other: &Junction| triangle(other) == triangle(&junction);
+            if found.len() < EDGES && !found.iter().any(is_split) {
+                found.push(junction);
+            }
+        }
+        found
     }
 
     /// Those of `junctions` at the end of a piece that two edges or more then have in common.
@@ -170,25 +198,32 @@ impl Edges {
         }
         (pieces, is_common)
     }
-}
 
-/// Splits the triangles at `junctions`, by edge and along it; their parts fill the places of the
-/// triangles, and then are added.
-fn split(surface: &mut Surface, edges: &Edges, junctions: &[Junction], corners: &[Corner]) {
-    let mut by_triangle: Vec<_> = junctions.chunk_by(|a, b| a.edge == b.edge).collect();
-    by_triangle.sort_by_key(|on_edge| edges.edges[on_edge[0].edge].triangle);
-    let triangle_of = |on_edge: &&[Junction]| edges.edges[on_edge[0].edge].triangle;
-    for on_triangle in by_triangle.chunk_by(|a, b| triangle_of(a) == triangle_of(b)) {
-        let triangle = triangle_of(&on_triangle[0]);
-        let mut parts = vec![surface.triangles[triangle]];
-        for on_edge in on_triangle {
-            let [from, to] = edges.ends[on_edge[0].edge].map(|n| corners[n as usize].vertex);
-            let inner = on_edge.iter().map(|j| corners[j.corner as usize].vertex);
-            let chain: Vec<u32> = [from].into_iter().chain(inner).chain([to]).collect();
-            split_part(&mut parts, &chain);
-        }
-        surface.triangles[triangle] = parts[0];
-        surface.triangles.extend(&parts[1..]);
+    /// The triangles that `junctions`, by edge and along it, split, and their parts.
+    fn parts(
+        &self,
+        surface: &Surface,
+        junctions: &[Junction],
+        corners: &[Corner],
+    ) -> Vec<(usize, Vec<[u32; 3]>)> {
+        let triangle_of = |on_edge: &&[Junction]| self.edges[on_edge[0].edge].triangle;
+        let mut by_edge: Vec<_> = junctions.chunk_by(|a, b| a.edge == b.edge).collect();
+        by_edge.sort_by_key(triangle_of);
+        let by_triangle = by_edge.chunk_by(|a, b| triangle_of(a) == triangle_of(b));
+        by_triangle
+            .map(|on_triangle| {
+                let triangle = triangle_of(&on_triangle[0]);
+                let mut parts = vec![surface.triangles()[triangle]];
+                for on_edge in on_triangle {
+                    let [from, to] = self.ends[on_edge[0].edge];
+                    let inner = on_edge.iter().map(|junction| junction.corner);
+                    let chain = [from].into_iter().chain(inner).chain([to]);
+                    let chain: Vec<_> = chain.map(|n| corners[n as usize].vertex).collect();
+                    split_part(&mut parts, &chain);
+                }
+                (triangle, parts)
+            })
+            .collect()
     }
 }
 
@@ -219,9 +254,9 @@ fn along(line: &Line<[f64; 3]>, point: [f64; 3]) -> f64 {
     way / squared_distance(line.from, line.to)
 }
 
-/// The squared distance of a point from the endless line.
-fn line_distance_2(line: &Line<[f64; 3]>, point: [f64; 3]) -> f64 {
+/// The distance of a point from the endless line.
+fn line_distance(line: &Line<[f64; 3]>, point: [f64; 3]) -> f64 {
     let at = along(line, point);
     let foot = std::array::from_fn(|axis| line.from[axis] + at * (line.to[axis] - line.from[axis]));
-    squared_distance(foot, point)
+    distance(foot, point)
 }

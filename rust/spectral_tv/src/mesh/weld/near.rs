@@ -5,16 +5,20 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use crate::mesh::open_edges::{OpenEdge, open_edges};
-use crate::mesh::weld::{Corner, Surface};
+use crate::mesh::weld::surface::{Corner, Surface, around, distance};
 
 /// The most neighbours that a corner looks for at once. Where more are near, it finds the others
 /// when these have become one with it.
 const NEIGHBOURS: usize = 16;
 
+/// From so many points on, a search for the nearest is faster than one for all.
+const MANY: usize = 64;
+
+type Tree = RTree<GeomWithData<[f64; 3], u32>>;
+
 /// Two corners that may become one, by their numbers.
 struct Link {
-    squared_length: f64,
+    length: f64,
     ends: [u32; 2],
 }
 
@@ -39,19 +43,24 @@ impl Cluster {
         }
     }
 
-    /// Whether it is, along every axis, no larger than its corners' reach. Corners within reach of
-    /// one another always are; the ends of an edge, at three times the reach, never.
+    /// Its largest extent along an axis.
+    fn extent(&self) -> f64 {
+        let sides = self.lower.iter().zip(&self.upper);
+        sides.fold(0.0, |max, (lower, upper)| max.max(upper - lower))
+    }
+
+    /// Whether its extent is within its corners' reach. That of corners within reach of one another
+    /// always is; that of the ends of an edge, at four times the reach, never.
     fn is_compact(&self) -> bool {
-        (0..3).all(|axis| self.upper[axis] - self.lower[axis] <= self.reach)
+        self.extent() <= self.reach
     }
 }
 
-/// Makes corners on open edges that are within reach of one another one, the nearest first; how
-/// many went.
-pub(super) fn join(surface: &mut Surface, border: &mut Vec<OpenEdge>, tolerance: f64) -> usize {
-    let corners = surface.corners(border);
+/// Makes corners on open edges that are within reach of one another one, the nearest first;
+/// whether there were any.
+pub(super) fn join(surface: &mut Surface, tolerance: f64) -> bool {
+    let corners = surface.corners();
     let reaches = surface.reaches(&corners, tolerance);
-    let links = links(&corners, &reaches);
     let mut joined = UnionFind::<u32>::new(corners.len());
     let cluster = |(corner, &reach): (&Corner, &f64)| Cluster {
         lower: corner.position,
@@ -59,13 +68,15 @@ pub(super) fn join(surface: &mut Surface, border: &mut Vec<OpenEdge>, tolerance:
         reach,
     };
     let mut clusters: Vec<_> = corners.iter().zip(&reaches).map(cluster).collect();
-    for link in &links {
+    let mut gap = 0.0_f64;
+    for link in links(&corners, &reaches) {
         let roots = link.ends.map(|end| joined.find_mut(end));
         let [a, b] = roots.map(|root| &clusters[root as usize]);
         let both = a.with(b);
         if roots[0] != roots[1] && both.is_compact() {
             joined.union(roots[0], roots[1]);
             clusters[joined.find_mut(roots[0]) as usize] = both;
+            gap = gap.max(link.length).max(both.extent());
         }
     }
     let mut members: Vec<_> = (0..corners.len() as u32)
@@ -79,18 +90,8 @@ pub(super) fn join(surface: &mut Surface, border: &mut Vec<OpenEdge>, tolerance:
         .map(|group| group.iter().map(|&(_, n)| corners[n as usize].vertex))
         .map(Iterator::collect)
         .collect();
-    for group in &groups {
-        let (mean, weight) = mean(surface, group);
-        let first = *group.iter().min().expect("groups have members") as usize;
-        surface.vertices[first] = mean;
-        surface.weights[first] = weight;
-    }
-    surface.join(&groups);
-    let gone = groups.iter().map(|group| group.len() - 1).sum();
-    if gone > 0 {
-        *border = open_edges(surface.vertices.len(), &surface.triangles);
-    }
-    gone
+    surface.join(&groups, false, gap);
+    !groups.is_empty()
 }
 
 /// Pairs of corners within reach of one another, the nearest first.
@@ -101,49 +102,36 @@ fn links(corners: &[Corner], reaches: &[f64]) -> Vec<Link> {
     let numbers = (0..corners.len()).into_par_iter();
     let mut links: Vec<_> = numbers
         .flat_map_iter(|number| {
-            let reach = reaches[number];
-            let near = tree.nearest_neighbor_iter_with_distance_2(&corners[number].position);
-            let near = near
-                .take_while(move |(_, squared)| *squared <= reach * reach)
-                .filter(move |(other, _)| other.data as usize != number)
-                .take(NEIGHBOURS);
-            near.filter(|(other, squared)| {
-                let theirs = reaches[other.data as usize];
-                *squared <= theirs * theirs
-            })
-            .map(move |(other, squared_length)| {
-                let (a, b) = (number as u32, other.data);
-                Link {
-                    squared_length,
-                    ends: [a.min(b), a.max(b)],
-                }
+            let near = neighbours(&tree, corners[number].position, reaches[number]);
+            let near = near.into_iter().filter(move |&(other, length)| {
+                other as usize != number && length <= reaches[other as usize]
+            });
+            near.map(move |(other, length)| Link {
+                length,
+                ends: [other.min(number as u32), other.max(number as u32)],
             })
         })
         .collect();
     links.par_sort_unstable_by(|a, b| {
-        let lengths = a.squared_length.total_cmp(&b.squared_length);
+        let lengths = a.length.total_cmp(&b.length);
         lengths.then(a.ends.cmp(&b.ends))
     });
     links.dedup_by(|a, b| a.ends == b.ends);
     links
 }
 
-/// The mean of a group in the order of their places, and of how many vertices it is the mean.
-fn mean(surface: &Surface, group: &[u32]) -> ([f64; 3], f64) {
-    let start = surface.vertices[group[0] as usize];
-    let mut sum = [0.0; 3];
-    let mut total = 0.0;
-    for &member in group {
-        let (position, weight) = (
-            surface.vertices[member as usize],
-            surface.weights[member as usize],
-        );
-        for axis in 0..3 {
-            // Differences: far from the origin, sums would lose digits.
-            sum[axis] += weight * (position[axis] - start[axis]);
-        }
-        total += weight;
+/// The nearest points within `reach` of a position, itself among them, and their distances.
+fn neighbours(tree: &Tree, position: [f64; 3], reach: f64) -> Vec<(u32, f64)> {
+    let near = tree.locate_in_envelope(&around(position, reach));
+    let mut near: Vec<_> = near.take(MANY).collect();
+    if near.len() == MANY {
+        let nearest = tree.nearest_neighbor_iter(&position);
+        near = nearest.take(NEIGHBOURS + 1).collect();
     }
-    let mean = std::array::from_fn(|axis| start[axis] + sum[axis] / total);
-    (mean, total)
+    let near = near.into_iter();
+    let near = near.map(|other| (other.data, distance(*other.geom(), position)));
+    let mut near: Vec<_> = near.filter(|&(_, length)| length <= reach).collect();
+    near.sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    near.truncate(NEIGHBOURS + 1);
+    near
 }

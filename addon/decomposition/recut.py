@@ -1,0 +1,260 @@
+"""Bands in the place of others: what was dialled, masked, animated and driven goes over to them.
+
+The values of bands are a filter over scales, constant within each. The new bands get its means,
+each component counted once, as bands hold equal numbers of components.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..scene.channels import Animated, actions_of, key_path
+from ..scene.curve_sums import Term, total
+from ..scene.drivers import copy_driver, retarget_drivers, same_driver
+from ..scene.fcurves import Point, add_curve, make_keyframes, same_modifiers
+from ..scene.names import free_name
+from ..scene.notes import note
+from ..scene.shape_keys import move_key, remove_key
+
+# Edges are kept in single precision.
+ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """How many components new bands (J,) share with old ones (I,): ``counts`` (J, I).
+
+    ``sizes`` (J,) are the numbers of components of the new ones, also of those in no old band.
+    """
+
+    counts: np.ndarray
+    sizes: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        old: Sequence[tuple[float, float]],
+        new: Sequence[tuple[float, float]],
+        times: np.ndarray,
+    ) -> "Overlap":
+        """That of bands between two times each; ``times`` (N,) are those of the components."""
+        before, after = (_members(bands, times).astype(int) for bands in (old, new))
+        return cls(after @ before.T, after.sum(axis=1))
+
+    @property
+    def parts(self) -> np.ndarray:
+        """Which part of every new band lies in every old one, (J, I)."""
+        return self.counts / np.maximum(self.sizes, 1)[:, np.newaxis]
+
+    def successor(self, old: int) -> int | None:
+        """The new band that holds most of an old one."""
+        column = self.counts[:, old]
+        return int(column.argmax()) if column.any() else None
+
+    def equal(self, new: int) -> int | None:
+        """The old band that holds just the components of a new one, if there is one."""
+        row = self.counts[new]
+        old = int(row.argmax())
+        is_all = row[old] == self.sizes[new] == self.counts[:, old].sum() > 0
+        return old if is_all else None
+
+
+def _members(bands: Sequence[tuple[float, float]], times: np.ndarray) -> np.ndarray:
+    """Which components each band holds, (K, N)."""
+    starts = np.array([start for start, _ in bands]) * (1 - ROUNDING)
+    band = np.searchsorted(starts, times, side="right") - 1
+    inside = times < bands[-1][1] * (1 + ROUNDING)
+    return (band == np.arange(len(bands))[:, np.newaxis]) & inside
+
+
+def take_place(
+    obj: bpy.types.Object,
+    old: Sequence[bpy.types.ShapeKey | None],
+    kept: Sequence[bool],
+    new: Sequence[bpy.types.ShapeKey],
+    names: Sequence[str],
+    overlap: Overlap,
+) -> list[str]:
+    """Have keys take the place of those of bands, which are removed; returns the new ones' names.
+
+    ``old`` has None for a band that is no more. Those that are ``kept`` stay, but muted, as the new
+    ones are seen in their place. ``names`` are those that the new ones get if they are free; one
+    that holds what an old one held gets that one's name.
+    """
+    blocks = obj.data.shape_keys.key_blocks
+    gone = [None if stays else key for key, stays in zip(old, kept, strict=True)]
+    carrier = _Carrier(obj.data.shape_keys, old, new, names, overlap)
+    carrier.carry()
+    active = list(_active_keys(obj, gone, new, overlap))
+    place = min((blocks.find(key.name) for key in gone if key is not None), default=None)
+    successors = {
+        key.name: new[successor]
+        for index, key in enumerate(gone)
+        if key is not None and (successor := overlap.successor(index)) is not None
+    }
+    for key in old:
+        if key is not None and key not in gone:
+            key.mute = True
+    for key in gone:
+        if key is not None:
+            remove_key(obj, key)
+    for key, name in zip(new, carrier.names, strict=True):
+        key.name = free_name(name, "", {other.name for other in blocks if other != key})
+    retarget_drivers(obj.data, {name: key.name for name, key in successors.items()})
+    for index, key in enumerate(new if place is not None else ()):
+        move_key(obj, key, place + index)
+    for user, key in active:
+        user.active_shape_key_index = blocks.find(key.name)
+    return [key.name for key in new]
+
+
+def _active_keys(
+    obj: bpy.types.Object,
+    gone: Sequence[bpy.types.ShapeKey | None],
+    new: Sequence[bpy.types.ShapeKey],
+    overlap: Overlap,
+) -> Iterator[tuple[bpy.types.Object, bpy.types.ShapeKey]]:
+    """The key that will be the active one of each object that has the mesh."""
+    for user in bpy.data.objects:
+        key = user.active_shape_key if user.data == obj.data else None
+        if key is not None:
+            successor = overlap.successor(gone.index(key)) if key in gone else None
+            yield user, key if successor is None else new[successor]
+
+
+class _Carrier:
+    """Carries what is set of the old keys over to the new ones."""
+
+    def __init__(
+        self,
+        keys: bpy.types.Key,
+        old: Sequence[bpy.types.ShapeKey | None],
+        new: Sequence[bpy.types.ShapeKey],
+        names: Sequence[str],
+        overlap: Overlap,
+    ) -> None:
+        """Take the keys of old and new bands, and the names of these."""
+        self.keys, self.old, self.new, self.parts = keys, old, new, overlap.parts
+        equals = [overlap.equal(band) for band in range(len(new))]
+        self.names = [
+            name if equal is None or old[equal] is None else old[equal].name
+            for name, equal in zip(names, equals, strict=True)
+        ]
+
+    def carry(self) -> None:
+        """Set the new keys, and animate and drive them."""
+        for animated in self._animated():
+            for band in range(len(self.new)):
+                self._carry_curves(animated, band)
+        for band in range(len(self.new)):
+            self._carry_settings(band)
+            self._carry_drivers(band)
+
+    def _former(self, band: int) -> list[int]:
+        """Old bands that a new one has parts of, the largest part first."""
+        order = np.argsort(-self.parts[band], kind="stable").tolist()
+        return [old for old in order if self.parts[band, old] > 0 and self.old[old] is not None]
+
+    def _heard(self, band: int) -> list[int]:
+        """Those that are seen: a muted one counts for nothing, unless all of them are."""
+        former = self._former(band)
+        return [old for old in former if not self.old[old].mute] or former
+
+    def _carry_settings(self, band: int) -> None:
+        order = self._former(band)
+        if not order:
+            return
+        key, former = self.new[band], [self.old[old] for old in order]
+        value = sum(self.parts[band, old] * self.old[old].value for old in self._heard(band))
+        key.slider_min = min(value, *(each.slider_min for each in former))
+        key.slider_max = max(value, *(each.slider_max for each in former))
+        key.value = value
+        key.mute = all(each.mute for each in former)
+        key.vertex_group = former[0].vertex_group
+        key.lock_shape = former[0].lock_shape
+        same = [each.vertex_group == key.vertex_group for each in former]
+        self._tell(band, "vertex groups", order, same)
+        if not key.mute and any(each.mute for each in former):
+            note(
+                f"{self.names[band]!r} is in the place of muted bands too, which count for nothing"
+            )
+
+    def _tell(self, band: int, what: str, former: Sequence[int], same: Sequence[bool]) -> None:
+        """Note that what the first of old bands had was taken, where others had not the same."""
+        if not all(same):
+            names = [self.old[old].name for old in former]
+            note(
+                f"{self.names[band]!r} is in the place of {', '.join(map(repr, names))}, whose "
+                f"{what} differ; it has what {names[0]!r} had"
+            )
+
+    def _animated(self) -> Iterator[Animated]:
+        """The actions with curves of the old keys, each of them the keys' own."""
+        paths = tuple(key_path(key) for key in self.old if key is not None)
+        seen = set()
+        for animated in actions_of(self.keys):
+            curves = animated.curves
+            if curves is None or not any(each.data_path.startswith(paths) for each in curves):
+                continue
+            own, name = animated, animated.action.name
+            if animated.action.library is not None:
+                note(f"{name!r} is linked from another file; these bands have a copy now")
+                own = animated.with_own_action()
+            elif animated.is_shared:
+                note(f"{name!r} animates others too; these bands have a copy now")
+                own = animated.with_own_action()
+            if own.identity not in seen:
+                seen.add(own.identity)
+                yield own
+
+    def _carry_curves(self, animated: Animated, band: int) -> None:
+        curves, key = animated.curves, self.new[band]
+        moving = {
+            old: curve
+            for old in self._heard(band)
+            if (curve := curves.find(key_path(self.old[old], "value"))) is not None
+        }
+        if not all(curve.mute for curve in moving.values()):
+            moving = {old: curve for old, curve in moving.items() if not curve.mute}
+        for curve in moving.values():
+            make_keyframes(curve)
+        moving = {old: curve for old, curve in moving.items() if len(curve.keyframe_points)}
+        if moving:
+            terms = [
+                Term(
+                    float(self.parts[band, old]),
+                    0.0 if animated.adds else self.old[old].value,
+                    moving.get(old),
+                )
+                for old in self._heard(band)
+            ]
+            first = next(iter(moving.values()))
+            add_curve(curves, key_path(key, "value"), total(terms), first)
+            same = [same_modifiers([first, curve]) for curve in moving.values()]
+            self._tell(band, "modifiers of curves", [*moving], same)
+        for old in self._former(band)[:1]:
+            start = key_path(self.old[old])
+            for curve in [each for each in curves if each.data_path.startswith(start)]:
+                name = curve.data_path.removeprefix(start)
+                if name != "value":
+                    points = [Point.of(point) for point in curve.keyframe_points]
+                    add_curve(curves, key_path(key, name), points, curve)
+
+    def _carry_drivers(self, band: int) -> None:
+        animation = self.keys.animation_data
+        if animation is None or not self._former(band):
+            return
+        drivers = {
+            old: animation.drivers.find(key_path(self.old[old], "value"))
+            for old in self._former(band)
+        }
+        # Of equal parts the one that is driven.
+        former = sorted(drivers, key=lambda old: (-self.parts[band, old], drivers[old] is None))
+        same = [same_driver(drivers[former[0]], drivers[old]) for old in former]
+        self._tell(band, "drivers", former, same)
+        start = key_path(self.old[former[0]])
+        for driver in [each for each in animation.drivers if each.data_path.startswith(start)]:
+            name = driver.data_path.removeprefix(start)
+            copy_driver(animation, driver, key_path(self.new[band], name))

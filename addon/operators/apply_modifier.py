@@ -1,0 +1,72 @@
+"""The operator that applies modifiers to a mesh with shape keys."""
+
+import bpy
+from bpy.props import StringProperty
+
+from ..decomposition.bands import follow_topology, names_of_bands
+from ..deformation import results as deformed
+from ..scene import results
+from ..scene.applying import apply_modifier
+from ..scene.notes import gathered
+from ..scene.objects import Refusal, refusal
+
+
+class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
+    """Apply a modifier to the mesh and to each of its shape keys, which stay with all that animates
+    them; Blender itself applies none to a mesh with shape keys"""
+
+    bl_idname = "spectral_tv.apply_modifier"
+    bl_label = "Apply Modifier, Keep Keys"
+    bl_options = {"REGISTER", "UNDO"}
+
+    modifier: StringProperty(
+        name="Modifier",
+        description="Which one; all that are enabled, one after the other, if left empty",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        reason = apply_refusal(context.active_object)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.active_object
+        enabled = [each.name for each in obj.modifiers if each.show_viewport]
+        known = [results.known(obj, written) for written in results.THINGS]
+        bands, deformations = names_of_bands(obj), deformed.known_names(obj)
+        applied = []
+        with gathered() as notes:
+            try:
+                for name in [self.modifier] if self.modifier else enabled:
+                    apply_modifier(obj, name)
+                    applied.append(name)
+            except Refusal as error:
+                self.report({"ERROR"}, f"{obj.name}: {error}")
+        if not applied:
+            return {"CANCELLED"}
+        for places in known:
+            results.renew(obj, places)
+        deformed.renew(obj, deformations)
+        follow_topology(obj, bands)
+        self.report({"INFO"}, f"{obj.name}: applied {', '.join(map(repr, applied))}")
+        for note in notes:
+            self.report({"WARNING"}, f"{obj.name}: {note}")
+        return {"FINISHED"}
+
+
+def apply_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why no modifier can be applied now, in a sentence for the user; None if one can be."""
+    reason = refusal(obj)
+    if reason is not None:
+        return reason
+    if obj.mode != "OBJECT":
+        return "Go to Object Mode first"
+    if obj.data.shape_keys is None:
+        return "The mesh has no shape keys; Blender's own Apply does"
+    return None if obj.modifiers else "The object has no modifiers"
+
+
+CLASSES = (SPECTRAL_TV_OT_apply_modifier,)

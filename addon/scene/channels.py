@@ -1,0 +1,103 @@
+"""What animates shape keys: curves in the action and in strips of the NLA, and drivers."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import bpy
+
+
+@dataclass(frozen=True)
+class Animated:
+    """The action of a shape-key block or of one of its strips, and the slot that is its own.
+
+    ``user`` is what refers to the action: the animation data, or a strip.
+    """
+
+    user: bpy.types.AnimData | bpy.types.NlaStrip
+    action: bpy.types.Action
+
+    @property
+    def curves(self) -> bpy.types.bpy_prop_collection | None:
+        """The curves for the keys; None if there are none."""
+        action = self.action
+        if hasattr(self.user, "action_slot"):  # since Blender 4.4
+            if self.user.action_slot is None or not action.layers or not action.layers[0].strips:
+                return None
+            bag = action.layers[0].strips[0].channelbag(self.user.action_slot)
+            return None if bag is None else bag.fcurves
+        return action.fcurves
+
+    @property
+    def identity(self) -> tuple[int, int]:
+        """The same for all that refer to the same curves."""
+        slot = getattr(self.user, "action_slot", None)
+        return self.action.as_pointer(), 0 if slot is None else slot.handle
+
+    @property
+    def adds(self) -> bool:
+        """Whether its curves are added to what is below, rather than taking its place."""
+        return isinstance(self.user, bpy.types.NlaStrip) and self.user.blend_type != "REPLACE"
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether the same curves animate something else too."""
+        slot = getattr(self.user, "action_slot", None)
+        users = self.action.users - self.action.use_fake_user if slot is None else len(slot.users())
+        return users > 1
+
+    def with_own_action(self) -> "Animated":
+        """The same with a copy of the action that nothing else refers to."""
+        slot = getattr(self.user, "action_slot", None)
+        place = None if slot is None else self.action.slots.find(slot.identifier)
+        self.user.action = self.action.copy()
+        if place is not None:
+            self.user.action_slot = self.user.action.slots[place]
+        return Animated(self.user, self.user.action)
+
+
+def actions_of(keys: bpy.types.Key) -> list[Animated]:
+    """All actions that animate shape keys: the active one, and those of strips."""
+    animation = keys.animation_data
+    if animation is None:
+        return []
+    strips = [strip for track in animation.nla_tracks for strip in _strips(track.strips)]
+    return [Animated(user, user.action) for user in (animation, *strips) if user.action is not None]
+
+
+def key_path(key: bpy.types.ShapeKey, name: str = "") -> str:
+    """The path from the block to a property of a key, or what all such paths begin with."""
+    return f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].{name}'
+
+
+def insert_keyframe(key: bpy.types.ShapeKey, name: str, frame: float) -> bool:
+    """Insert a keyframe for a property of a shape key, and tell whether Blender did."""
+    animation = key.id_data.animation_data
+    action = None if animation is None else animation.action
+    if action is not None and action.library is not None:  # Blender 4 would, and not save it
+        return False
+    try:
+        return key.keyframe_insert(name, frame=frame)
+    except RuntimeError:
+        return False
+
+
+def remove_channels(keys: bpy.types.Key, key: bpy.types.ShapeKey) -> None:
+    """Remove the curves and drivers of all properties of a key; those of linked actions stay."""
+    beginning = key_path(key)
+    for animated in actions_of(keys):
+        if animated.curves is not None and animated.action.library is None:
+            _remove(animated.curves, beginning)
+    if keys.animation_data is not None:
+        _remove(keys.animation_data.drivers, beginning)
+
+
+def _remove(curves: bpy.types.bpy_prop_collection, beginning: str) -> None:
+    for curve in [each for each in curves if each.data_path.startswith(beginning)]:
+        curves.remove(curve)
+
+
+def _strips(strips: bpy.types.bpy_prop_collection) -> Iterator[bpy.types.NlaStrip]:
+    """Strips, and those in meta strips."""
+    for strip in strips:
+        yield strip
+        yield from _strips(strip.strips)

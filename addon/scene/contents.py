@@ -1,0 +1,44 @@
+"""Attributes as arrays, and digests of what meshes hold."""
+
+import hashlib
+
+import bpy
+import numpy as np
+
+# Of every type of attribute that has numbers: where its data are, how many, and their dtype.
+TYPES = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int8),
+    "BOOLEAN": ("value", 1, bool),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
+}
+
+
+def attribute_values(attribute: bpy.types.Attribute) -> np.ndarray:
+    """The numbers of an attribute, flat; none of a type whose values are no numbers."""
+    field, channels, dtype = TYPES.get(attribute.data_type, ("", 0, np.float32))
+    flat = np.empty(channels * len(attribute.data), dtype=dtype)
+    if channels:
+        attribute.data.foreach_get(field, flat)
+    return flat
+
+
+def topology_digest(mesh: bpy.types.Mesh) -> str:
+    """Digest of which vertices the polygons connect."""
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return digest(corners, starts)
+
+
+def digest(*arrays: np.ndarray) -> str:
+    """A short digest of arrays' bytes."""
+    state = hashlib.blake2b(digest_size=12)
+    for array in arrays:
+        state.update(np.ascontiguousarray(array).tobytes())
+    return state.hexdigest()

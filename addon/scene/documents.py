@@ -1,0 +1,77 @@
+"""Texts and images that belong to a mesh: written over as long as they are as they were written."""
+
+import bpy
+import numpy as np
+from bpy.props import StringProperty
+
+from .contents import digest
+from .notes import note
+
+Document = bpy.types.Text | bpy.types.Image
+
+
+class SpectralTVDocument(bpy.types.PropertyGroup):
+    """How a document was left; the group's own name is the mesh's property that points to it."""
+
+    digest: StringProperty(name="Digest", description="Of its contents")
+    given: StringProperty(name="Given", description="The name that it was given")
+
+
+def keep_text(mesh: bpy.types.Mesh, role: str, name: str, content: str) -> bpy.types.Text:
+    """Keep a text as what ``role``, a property of the mesh, points to; returns it."""
+    text = _own(mesh, role) or bpy.data.texts.new(name)
+    text.from_string(content)
+    _remember(mesh, role, text, name)
+    return text
+
+
+def keep_image(mesh: bpy.types.Mesh, role: str, name: str, pixels: np.ndarray) -> bpy.types.Image:
+    """Keep pixels (H, W, 4), from the bottom up, as :func:`keep_text` does a text."""
+    height, width, _ = pixels.shape
+    image = _own(mesh, role)
+    if image is None:
+        image = bpy.data.images.new(name, width, height, alpha=False)
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    image.pack()
+    _remember(mesh, role, image, name)
+    return image
+
+
+def _own(mesh: bpy.types.Mesh, role: str) -> Document | None:
+    """The document, unless the user changed it or it is that of the mesh this one was copied of."""
+    document = getattr(mesh.spectral_tv, role)
+    record = mesh.spectral_tv.documents.get(role)
+    if document is None or record is None:
+        return None
+    if any(
+        getattr(other.spectral_tv, role) == document for other in bpy.data.meshes if other != mesh
+    ):
+        return None
+    if _digest(document) != record.digest or document.library is not None:
+        kind = "text" if isinstance(document, bpy.types.Text) else "image"
+        note(f"the {kind} {document.name!r} was changed since, and is kept")
+        document.use_fake_user = True  # nothing else may use it
+        return None
+    return document
+
+
+def _remember(mesh: bpy.types.Mesh, role: str, document: Document, name: str) -> None:
+    documents = mesh.spectral_tv.documents
+    record = documents.get(role)
+    if record is None:
+        record = documents.add()
+        record.name = role
+    # A name that the user gave stays.
+    if getattr(mesh.spectral_tv, role) == document and document.name == record.given:
+        document.name = name
+    setattr(mesh.spectral_tv, role, document)
+    record.digest, record.given = _digest(document), document.name
+
+
+def _digest(document: Document) -> str:
+    if isinstance(document, bpy.types.Text):
+        return digest(np.frombuffer(document.as_string().encode(), dtype=np.uint8))
+    pixels = np.empty(len(document.pixels), dtype=np.float32)
+    document.pixels.foreach_get(pixels)
+    return digest(np.array(document.size), pixels)

@@ -1,0 +1,241 @@
+"""What is written on a mesh of something on it: beside that, and over what was written before.
+
+A mesh remembers what was written of which source, with a fingerprint. What has it still is ours,
+and is written over whatever it is called today. What the user changed, locked or made is the
+user's: it stays, and the result is written beside it.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy.props import CollectionProperty, PointerProperty, StringProperty
+
+from .contents import TYPES
+from .documents import SpectralTVDocument
+from .fingerprints import Fingerprint, Likeness, names, recognise
+from .names import free_name, taken_names
+from .notes import note
+from .objects import Refusal
+from .shape_keys import add_displacements, remove_key, set_displacement
+from .whole import whole
+
+# Weights below that are taken out of a vertex group.
+NOTHING = 1e-6
+THINGS = {"KEY": "shape key", "GROUP": "vertex group", "ATTRIBUTE": "attribute"}
+
+
+class SpectralTVResult(Fingerprint, bpy.types.PropertyGroup):
+    """One thing that was written."""
+
+    kind: StringProperty(name="Kind", description="Of the source")
+    source: StringProperty(name="Source")
+    label: StringProperty(name="Label", description="What it is of the source")
+    written: StringProperty(name="Written", description="As an attribute, a group or a key")
+
+
+class SpectralTVMesh(bpy.types.PropertyGroup):
+    """What a mesh remembers of what was written on it and of it."""
+
+    results: CollectionProperty(type=SpectralTVResult)
+    table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
+    picture: PointerProperty(type=bpy.types.Image, name="Picture", description="Of the same")
+    accuracy: PointerProperty(type=bpy.types.Text, name="Accuracy", description="Of its bands")
+    documents: CollectionProperty(type=SpectralTVDocument)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One thing to write: a KEY's displacements (V, 3), a GROUP's weights (V,), or an ATTRIBUTE of
+    a type that :data:`TYPES` has, on vertices or as ``domain`` says."""
+
+    written: str
+    values: np.ndarray
+    data_type: str = ""
+    domain: str = "POINT"
+
+
+def write(
+    obj: bpy.types.Object,
+    kind: str,
+    source: str,
+    pieces: Mapping[str, Piece],
+    stale: Callable[[str], bool] = lambda _label: False,
+    wanted: Callable[[str, str], tuple[str, str]] = lambda source, label: (source, label),
+) -> list[str]:
+    """Write pieces, by their labels, as ``source`` ``label``; all or none. Returns their names.
+
+    ``wanted`` makes of the source and a label the two parts of a name. What was written of the
+    source before under a label that is ``stale``, and is not written again, is removed.
+    """
+    found = _own(obj, kind, source, lambda label: label in pieces or stale(label))
+    targets: dict[str, str] = {}
+    with whole(obj):
+        for label, piece in pieces.items():
+            target = found.get((label, piece.written))
+            if target is None:
+                target = _add(obj, piece, *wanted(source, label))
+            targets[label] = target
+    for label, piece in pieces.items():
+        _fill(obj, piece, targets[label])
+    for (label, written), name in found.items():
+        if stale(label) and name not in targets.values():
+            _remove(obj, written, name)
+    _remember(obj, kind, source, pieces, targets, stale)
+    obj.data.update_tag()
+    return list(targets.values())
+
+
+def write_over(
+    obj: bpy.types.Object, kind: str, source: str, label: str, name: str, piece: Piece
+) -> None:
+    """Write a piece over what has that name, and remember it as what was written."""
+    _fill(obj, piece, name)
+    _remember(obj, kind, source, {label: piece}, {label: name}, lambda _label: False)
+
+
+def written_names(obj: bpy.types.Object, written: str) -> list[str]:
+    """Names today of the KEYs, GROUPs or ATTRIBUTEs that were written, changed since or not."""
+    records = [each for each in obj.data.spectral_tv.results if each.written == written]
+    present = names(obj, written)
+    known = zip(records, recognise(obj, written, records), strict=True)
+    return [name or each.key for each, (name, _) in known if (name or each.key) in present]
+
+
+def renew(obj: bpy.types.Object, was: Mapping[int, str]) -> None:
+    """Take the fingerprints anew of results that are, by their places, now called so."""
+    for place, name in was.items():
+        each = obj.data.spectral_tv.results[place]
+        each.take(obj, each.written, name)
+
+
+def known(obj: bpy.types.Object, written: str) -> dict[int, str]:
+    """Which of the KEYs, GROUPs or ATTRIBUTEs that were written are there as they were.
+
+    They are told by their places in the record, with their names today.
+    """
+    results = obj.data.spectral_tv.results
+    places = [place for place, each in enumerate(results) if each.written == written]
+    likes = recognise(obj, written, [results[place] for place in places])
+    pairs = zip(places, likes, strict=True)
+    return {place: name for place, (name, likeness) in pairs if likeness == Likeness.SAME}
+
+
+def _own(
+    obj: bpy.types.Object, kind: str, source: str, concerned: Callable[[str], bool]
+) -> dict[tuple[str, str], str]:
+    """By label and what it is, the names of what was written of a source and is ours still.
+
+    What is no longer is noted, if its label is ``concerned``.
+    """
+    there: dict[str, dict[int, str]] = {}
+    found = {}
+    for place, each in enumerate(obj.data.spectral_tv.results):
+        if (each.kind, each.source) != (kind, source) or not concerned(each.label):
+            continue
+        if each.written not in there:
+            there[each.written] = known(obj, each.written)
+        name = there[each.written].get(place, "")
+        thing = THINGS[each.written]
+        if not name and each.key in names(obj, each.written):
+            note(f"the {thing} {each.key!r} was changed since, and is kept")
+        elif name and _is_locked(obj, each.written, name):
+            note(f"the {thing} {name!r} is locked, and is kept")
+        elif name:
+            found[each.label, each.written] = name
+    return found
+
+
+def _is_locked(obj: bpy.types.Object, written: str, name: str) -> bool:
+    if written == "GROUP":
+        return obj.vertex_groups[name].lock_weight
+    return written == "KEY" and obj.data.shape_keys.key_blocks[name].lock_shape
+
+
+def _add(obj: bpy.types.Object, piece: Piece, stem: str, label: str) -> str:
+    """Add what a piece will be written into, and return its name."""
+    name = free_name(stem, label, taken_names(obj, piece.written))
+    if piece.written == "KEY":
+        (key,) = add_displacements(obj, [name], np.zeros((1, len(obj.data.vertices), 3)))
+        return key.name
+    if piece.written == "GROUP":
+        active = obj.vertex_groups.active_index
+        group = obj.vertex_groups.new(name=name)
+        obj.vertex_groups.active_index = active
+        return group.name
+    attribute = obj.data.attributes.new(name, piece.data_type, piece.domain)
+    if attribute is None:
+        raise Refusal(f"Blender would have no attribute {name!r}; rename its source")
+    return attribute.name
+
+
+def _fill(obj: bpy.types.Object, piece: Piece, name: str) -> None:
+    if piece.written == "KEY":
+        set_displacement(obj, obj.data.shape_keys.key_blocks[name], piece.values)
+    elif piece.written == "GROUP":
+        _fill_group(obj.vertex_groups[name], piece.values)
+    else:
+        attributes = obj.data.attributes
+        attribute = attributes[name]
+        if (attribute.data_type, attribute.domain) != (piece.data_type, piece.domain):
+            attributes.remove(attribute)
+            attribute = attributes.new(name, piece.data_type, piece.domain)
+        field, _, dtype = TYPES[piece.data_type]
+        attribute.data.foreach_set(field, piece.values.astype(dtype).ravel())
+
+
+def _fill_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
+    weights = np.clip(weights, 0, 1)
+    group.remove(np.flatnonzero(weights <= NOTHING).tolist())
+    for vertex in np.flatnonzero(weights > NOTHING).tolist():
+        group.add([vertex], float(weights[vertex]), "REPLACE")
+
+
+def _remove(obj: bpy.types.Object, written: str, name: str) -> None:
+    if written == "KEY":
+        remove_key(obj, obj.data.shape_keys.key_blocks[name])
+    elif written == "GROUP":
+        obj.vertex_groups.remove(obj.vertex_groups[name])
+    else:
+        obj.data.attributes.remove(obj.data.attributes[name])
+
+
+def _remember(
+    obj: bpy.types.Object,
+    kind: str,
+    source: str,
+    pieces: Mapping[str, Piece],
+    targets: Mapping[str, str],
+    stale: Callable[[str], bool],
+) -> None:
+    results = obj.data.spectral_tv.results
+    for place in reversed(range(len(results))):
+        each = results[place]
+        written = pieces[each.label].written if each.label in pieces else None
+        if (each.kind, each.source) == (kind, source) and (
+            each.written == written or stale(each.label)
+        ):
+            results.remove(place)
+    for label, name in targets.items():
+        each = results.add()
+        each.kind, each.source, each.label = kind, source, label
+        each.written = pieces[label].written
+        each.take(obj, each.written, name)
+
+
+CLASSES = (SpectralTVResult, SpectralTVDocument, SpectralTVMesh)
+
+
+def register() -> None:
+    """Register the properties, on every mesh."""
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Mesh.spectral_tv = PointerProperty(type=SpectralTVMesh)
+
+
+def unregister() -> None:
+    """Unregister the properties; files keep what they hold."""
+    del bpy.types.Mesh.spectral_tv
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

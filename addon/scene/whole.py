@@ -1,0 +1,104 @@
+"""What is written is whole or not there."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+
+@contextmanager
+def whole(*objects: bpy.types.Object) -> Iterator[None]:
+    """Where what is done meanwhile fails, take away all that was added to mesh objects by then.
+
+    That is vertex groups, attributes, shape keys, and texts and images of the file; what the meshes
+    remember is as before. What was there already has to be written last, when nothing can fail.
+    """
+    before = [_Parts.of(obj) for obj in objects]
+    texts, images = (set(each.keys()) for each in (bpy.data.texts, bpy.data.images))
+    try:
+        yield
+    except BaseException:
+        for obj, parts in zip(objects, before, strict=True):
+            parts.restore(obj)
+        for found, kept in ((bpy.data.texts, texts), (bpy.data.images, images)):
+            for name in set(found.keys()) - kept:
+                found.remove(found[name])
+        raise
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """Names of what a mesh object has, what is active of it, and what the mesh remembers."""
+
+    groups: list[str]
+    attributes: list[str]
+    keys: list[str] | None
+    active: tuple[int, int, str]
+    remembered: tuple[dict[str, Any], dict[str, Any]]
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> "_Parts":
+        mesh = obj.data
+        keys = mesh.shape_keys
+        return cls(
+            obj.vertex_groups.keys(),
+            mesh.attributes.keys(),
+            None if keys is None else keys.key_blocks.keys(),
+            (
+                obj.vertex_groups.active_index,
+                obj.active_shape_key_index,
+                mesh.color_attributes.active_color_name,
+            ),
+            (_values(mesh.spectral_tv), {} if keys is None else _values(keys.spectral_tv)),
+        )
+
+    def restore(self, obj: bpy.types.Object) -> None:
+        mesh = obj.data
+        for name in set(obj.vertex_groups.keys()) - set(self.groups):
+            obj.vertex_groups.remove(obj.vertex_groups[name])
+        for name in set(mesh.attributes.keys()) - set(self.attributes):
+            mesh.attributes.remove(mesh.attributes[name])
+        if mesh.shape_keys is not None and self.keys is None:
+            obj.shape_key_clear()
+        elif mesh.shape_keys is not None:
+            present = mesh.shape_keys.key_blocks
+            for name in set(present.keys()) - set(self.keys):
+                obj.shape_key_remove(present[name])
+            _set_values(mesh.shape_keys.spectral_tv, self.remembered[1])
+        _set_values(mesh.spectral_tv, self.remembered[0])
+        obj.vertex_groups.active_index, obj.active_shape_key_index, color = self.active
+        mesh.color_attributes.active_color_name = color
+        mesh.update_tag()
+
+
+def _values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
+    """The properties of a group and of those in it, in plain lists."""
+    found = {}
+    for name, declared in _declared(group):
+        value = getattr(group, name)
+        if declared.type == "COLLECTION":
+            found[name] = [_values(each) for each in value]
+        else:
+            found[name] = tuple(value) if getattr(declared, "is_array", False) else value
+    return found
+
+
+def _set_values(group: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
+    for name, declared in _declared(group):
+        if name not in values:
+            continue
+        if declared.type == "COLLECTION":
+            collection = getattr(group, name)
+            collection.clear()
+            for each in values[name]:
+                _set_values(collection.add(), each)
+        else:
+            setattr(group, name, values[name])
+
+
+def _declared(group: bpy.types.PropertyGroup) -> list[tuple[str, bpy.types.Property]]:
+    return [
+        each for each in group.bl_rna.properties.items() if each[0] not in ("rna_type", "bl_rna")
+    ]

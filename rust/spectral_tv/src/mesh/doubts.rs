@@ -1,0 +1,317 @@
+//! What is probably a mistake about a mesh.
+
+use std::fmt::{self, Display, Formatter};
+
+use rayon::prelude::*;
+
+use crate::mesh::TriangleMesh;
+use crate::mesh::findings::grouped;
+use crate::mesh::intrinsic::repeats_an_index;
+use crate::mesh::open_edges::{OpenEdge, edges_of, open_edges, vertices_of};
+use crate::mesh::weld::Patch;
+
+/// Gaps up to this share of the size, the root of the area, are taken for mistakes.
+const GAP: f64 = 1e-5;
+/// The same where most edges are open, if it joins most of them.
+const WIDE_GAP: f64 = 1e-2;
+/// The least length to weld with that is named, unless it is 0, relative to the size.
+const LEAST_WELD: f64 = 1e-7;
+/// From this share of open edges on, hardly any triangle is joined to another.
+const ALONE: f64 = 0.9;
+/// Fewer triangles may well be meant to be alone.
+const FEW_TRIANGLES: usize = 16;
+/// The share of triangles that are the same as others from which on they are told.
+const REPEATED: f64 = 0.01;
+/// About how many triangles are compared with one another.
+const SAMPLE: usize = 1 << 15;
+/// The most open edges among which gaps are looked for; of more, it is those of a slab.
+const MOST_EDGES: usize = 1 << 17;
+/// Triangles that one thread works on at a time.
+const CHUNK: usize = 1 << 15;
+
+/// What is probably a mistake, and matters for what is made of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// Open edges lie on one another or nearly so: the surface is torn there.
+    Torn {
+        /// Open edges.
+        open_edges: usize,
+        /// All edges, where most are open.
+        edges: Option<usize>,
+        /// The share of the open edges that would close.
+        share: f64,
+        /// Their corners that are at the same place as others.
+        coincident: usize,
+        /// What to weld with, a length; 0 where they lie on one another exactly.
+        weld: f64,
+    },
+    /// Hardly any triangle is joined to another, nor near to one.
+    Alone {
+        /// Open edges.
+        open_edges: usize,
+        /// All edges.
+        edges: usize,
+    },
+    /// Triangles with the same corners as others.
+    Repeated {
+        /// Their share.
+        share: f64,
+    },
+    /// Most vertices are in no triangle.
+    Unused {
+        /// How many are in none.
+        unused: usize,
+        /// How many there are.
+        vertices: usize,
+    },
+}
+
+impl Display for Doubt {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Torn {
+                open_edges,
+                edges,
+                share,
+                coincident,
+                weld,
+            } => {
+                let open = grouped(*open_edges);
+                let share = percent(*share);
+                match (edges, *weld == 0.0) {
+                    (Some(edges), true) => write!(
+                        f,
+                        "{open} of {} edges are open and {} corners coincide with others: the \
+                         triangles are not joined, so they will drift apart; pass weld=0",
+                        grouped(*edges),
+                        grouped(*coincident)
+                    ),
+                    (Some(edges), false) => write!(
+                        f,
+                        "{open} of {} edges are open and {share} of these nearly touch others: the \
+                         triangles are not joined, so they will drift apart; pass weld={weld:e}",
+                        grouped(*edges)
+                    ),
+                    (None, true) => write!(
+                        f,
+                        "{share} of {open} open edges lie on one another: the surface is torn \
+                         there and will come apart; pass weld=0"
+                    ),
+                    (None, false) => write!(
+                        f,
+                        "{share} of {open} open edges nearly touch one another: the surface is torn \
+                         there and will come apart; pass weld={weld:e}"
+                    ),
+                }
+            }
+            Self::Alone { open_edges, edges } => write!(
+                f,
+                "{} of {} edges are open: hardly any triangle is joined to another, so they will \
+                 drift apart; pass weld=, a length beyond the gaps between them",
+                grouped(*open_edges),
+                grouped(*edges)
+            ),
+            Self::Repeated { share } => write!(
+                f,
+                "{} of the triangles have the same corners as others: their area counts twice",
+                percent(*share)
+            ),
+            Self::Unused { unused, vertices } => write!(
+                f,
+                "{} of {} vertices are in no triangle: they will stay where they are",
+                grouped(*unused),
+                grouped(*vertices)
+            ),
+        }
+    }
+}
+
+impl TriangleMesh {
+    /// What is probably a mistake about the mesh. What was welded with `weld`, as
+    /// [`crate::mesh::Repair`] has it, is meant to be open where it is, beyond that length; of 0
+    /// that is not taken for granted.
+    pub fn doubts(&self, weld: Option<f64>) -> Vec<Doubt> {
+        let scan = Scan::of(self.triangles());
+        let mut doubts = Vec::new();
+        if scan.may_be_open && weld.is_none_or(|weld| weld == 0.0) {
+            doubts.extend(self.torn());
+        }
+        let share = scan.repeated_share();
+        if share >= REPEATED {
+            doubts.push(Doubt::Repeated { share });
+        }
+        let unused = self.vertex_areas().iter().filter(|&&area| area == 0.0);
+        let (unused, vertices) = (unused.count(), self.vertex_count());
+        if 2 * unused > vertices {
+            doubts.push(Doubt::Unused { unused, vertices });
+        }
+        doubts
+    }
+
+    /// Whether and how the surface seems to be torn.
+    fn torn(&self) -> Option<Doubt> {
+        let triangles = self.triangles();
+        let border = open_edges(self.vertex_count(), triangles);
+        if border.is_empty() {
+            return None;
+        }
+        let open = border.len();
+        // Where two triangles are at every other edge, there are (3 F + open) / 2 edges.
+        let edges = (open > triangles.len()).then(|| edge_count(triangles));
+        let size = self.area().sqrt();
+        let mut whole = self.patch(&border);
+        whole.surface.join_coincident();
+        let closed = whole.surface.closed_edges();
+        let torn = |share: f64, coincident: usize, weld: f64| Doubt::Torn {
+            open_edges: open,
+            edges,
+            share,
+            coincident,
+            weld,
+        };
+        let exact = closed as f64 / open as f64;
+        let coincident = whole.surface.joined_count();
+        let sample = sample(&border, self.vertices());
+        let nearly = |gap: f64| {
+            let mut patch = self.patch(&sample);
+            patch.surface.join_coincident();
+            let exact = patch.surface.closed_edges();
+            patch.surface.join_within(gap * size);
+            let closed = patch.surface.closed_edges();
+            // A corner may be on an edge to the last digit.
+            let weld = rounded_up(patch.surface.widest_gap().max(LEAST_WELD * size));
+            (closed > exact).then(|| torn(closed as f64 / sample.len() as f64, 0, weld))
+        };
+        let closes_most =
+            |doubt: &Doubt| matches!(doubt, Doubt::Torn { share, .. } if *share > 0.5);
+        let exactly = (exact > 0.0).then(|| torn(exact, coincident, 0.0));
+        let near = if whole.surface.border().is_empty() {
+            None
+        } else {
+            nearly(GAP)
+        };
+        let found = near.or(exactly);
+        if edges.is_none() || found.as_ref().is_some_and(closes_most) {
+            return found;
+        }
+        let edges = edges?;
+        let is_alone = open as f64 > ALONE * edges as f64 && triangles.len() >= FEW_TRIANGLES;
+        let far = nearly(WIDE_GAP).filter(closes_most);
+        let alone = is_alone.then_some(Doubt::Alone {
+            open_edges: open,
+            edges,
+        });
+        far.or(alone).or(found)
+    }
+
+    fn patch(&self, border: &[OpenEdge]) -> Patch {
+        Patch::at(&vertices_of(border), self.vertices(), self.triangles())
+    }
+}
+
+/// What one look at every triangle tells.
+#[derive(Default)]
+struct Scan {
+    /// Whether an edge may have one triangle only.
+    may_be_open: bool,
+    /// Some triangles, with all that have the same corners; the corners in order.
+    sample: Vec<[u32; 3]>,
+}
+
+impl Scan {
+    fn of(triangles: &[[u32; 3]]) -> Self {
+        let rarity = (triangles.len() / SAMPLE).checked_ilog2().unwrap_or(0);
+        let parts = triangles.par_chunks(CHUNK).map(|part| {
+            let mut odd = 0;
+            let mut sample = Vec::new();
+            for &corners in part.iter().filter(|corners| !repeats_an_index(corners)) {
+                let [a, b, c] = corners.map(spread);
+                odd ^= a.wrapping_mul(b) ^ b.wrapping_mul(c) ^ c.wrapping_mul(a);
+                let sum = corners.iter().fold(0, |sum, &corner| sum ^ corner);
+                if spread(sum).leading_zeros() >= rarity {
+                    let mut corners = corners;
+                    corners.sort_unstable();
+                    sample.push(corners);
+                }
+            }
+            (odd, sample)
+        });
+        let parts: Vec<_> = parts.collect();
+        Self {
+            // Two triangles at an edge cancel; that others do so is as good as impossible.
+            may_be_open: parts.iter().fold(0, |odd, part| odd ^ part.0) != 0,
+            sample: parts.into_iter().flat_map(|part| part.1).collect(),
+        }
+    }
+
+    /// The share of triangles with the same corners as an earlier one.
+    fn repeated_share(mut self) -> f64 {
+        let count = self.sample.len().max(1);
+        self.sample.par_sort_unstable();
+        self.sample.dedup();
+        1.0 - self.sample.len().max(1) as f64 / count as f64
+    }
+}
+
+/// An odd number for an index, of which products tell edges from one another.
+fn spread(index: u32) -> u64 {
+    let bits = (u64::from(index) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (bits ^ (bits >> 32)) | 1
+}
+
+/// How many edges the triangles have.
+fn edge_count(triangles: &[[u32; 3]]) -> usize {
+    let edges = triangles
+        .par_iter()
+        .flat_map_iter(|&corners| edges_of(corners));
+    let mut edges: Vec<_> = edges.map(|(ends, _)| ends).collect();
+    edges.par_sort_unstable();
+    edges.dedup();
+    edges.len()
+}
+
+/// The edges of `border`, or where they are very many, those in a slab across the axis along which
+/// they extend farthest.
+fn sample(border: &[OpenEdge], vertices: &[[f64; 3]]) -> Vec<OpenEdge> {
+    if border.len() <= MOST_EDGES {
+        return border.to_vec();
+    }
+    let at = |axis: usize, edge: &OpenEdge| vertices[edge.ends[0] as usize][axis];
+    let extent = |axis: usize| {
+        let range = border
+            .iter()
+            .fold([f64::MAX, f64::MIN], |[least, most], edge| {
+                let x = at(axis, edge);
+                [least.min(x), most.max(x)]
+            });
+        range[1] - range[0]
+    };
+    let axis = (0..3).max_by(|&a, &b| extent(a).total_cmp(&extent(b)));
+    let axis = axis.expect("there are three");
+    let mut edges = border.to_vec();
+    let start = (edges.len() - MOST_EDGES) / 2;
+    let order = |a: &OpenEdge, b: &OpenEdge| at(axis, a).total_cmp(&at(axis, b));
+    edges.select_nth_unstable_by(start, order);
+    edges[start..].select_nth_unstable_by(MOST_EDGES, order);
+    edges[start..start + MOST_EDGES].to_vec()
+}
+
+/// A little more, in one digit.
+fn rounded_up(length: f64) -> f64 {
+    let length = length * (1.0 + 1e-9);
+    let exponent = length.log10().floor();
+    let digit = (length / 10.0_f64.powf(exponent)).ceil();
+    // By way of text, as powers of ten have many digits.
+    format!("{digit}e{exponent}").parse().unwrap_or(length)
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        99.5..100.0 => "over 99 %".into(),
+        9.95.. => format!("{percent:.0} %"),
+        0.05.. => format!("{percent:.1} %"),
+        _ => "under 0.1 %".into(),
+    }
+}
