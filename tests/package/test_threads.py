@@ -51,7 +51,11 @@ def test_results_have_the_same_bits_with_any_number_of_threads(count):
 
 def test_large_results_have_the_same_bits_with_any_number_of_threads():
     """Where work is shared out: meshes of some ten thousand vertices, by either solver."""
-    mesh = spectral_tv.Mesh(*icosphere(5))
+    vertices, triangles = icosphere(5)
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    soup, corners = vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
+    ends = np.flatnonzero(np.abs(vertices[:, 2]) > 0.8)
+    targets = vertices[ends] + np.where(vertices[ends, 2:] > 0, 1, 0) * [0.3, 0, 0]
     found = {}
     for count in (1, 2, 5):
         with spectral_tv.use_threads(count):
@@ -60,6 +64,14 @@ def test_large_results_have_the_same_bits_with_any_number_of_threads():
                     split = spectral_tv.decompose(mesh, method, steps=4, solver=solver)
                     bits = pool_work.digest((split.residual, split.spectrum))
                     assert found.setdefault((method, solver), bits) == bits
+            others = (
+                spectral_tv.Mesh(soup, corners, weld=0.0).vertex_areas,
+                spectral_tv.decompose(mesh, steps=2, scheme="exact").residual,
+                spectral_tv.eigenpairs(mesh, 12),
+                spectral_tv.deform(mesh, ends, targets).vertices,
+                spectral_tv.deform(mesh, ends, targets, algorithm="arap", tolerance=0.1).vertices,
+            )
+            assert found.setdefault("others", pool_work.digest(others)) == pool_work.digest(others)
 
 
 def test_the_number_is_that_of_the_innermost_block_then_that_of_the_function():
