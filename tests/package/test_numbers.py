@@ -32,6 +32,7 @@ CALLS = {
     "default_scales": ("lb",),
     "graded_times": (),
     "set_threads": (),
+    "Mesh.__new__": (VERTICES, TRIANGLES),
     "Deformer.__new__": (MESH, [0, 1]),
     "Deformer.solve": (TARGETS,),
     "Deformer.solve_sequence": ([TARGETS],),
