@@ -18,7 +18,7 @@ WHEEL_STAMP := dist/.wheel
 EXTENSION_STAMP := dist/.extension
 
 RUST_SOURCES := Cargo.toml Cargo.lock \
-  $(shell find rust/spectral_tv/src rust/spectral_tv/Cargo.toml rust/python -name '*.rs' -o -name Cargo.toml)
+  $(shell find rust/system rust/spectral_tv/src rust/spectral_tv/Cargo.toml rust/python -name '*.rs' -o -name Cargo.toml)
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
@@ -46,7 +46,7 @@ fuzz: $(WHEEL_STAMP)
 	$(BIN)/python -m pytest tests/fuzz --hypothesis-profile=long
 
 # Inputs that a fuzzer finds by the code they reach, for SECONDS. Needs a nightly compiler and
-# cargo-fuzz. No code of ours is unsafe, for a sanitizer to watch.
+# cargo-fuzz. Nothing that it reaches is unsafe code of ours, for a sanitizer to watch.
 fuzz-library:
 	cargo +nightly fuzz run --fuzz-dir rust/fuzz --target-dir target/fuzz --sanitizer none \
 	  entry_points -- -max_total_time=$(SECONDS) -timeout=60 -max_len=2048

@@ -174,9 +174,9 @@ impl Pickled for Decomposition {
     }
 
     fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
-        let base_and_direction = match parts.optional("base")? {
-            Some(_) => Some((parts.matrix("base")?, parts.matrix("direction")?)),
-            None => None,
+        let base_and_direction = match (parts.optional("base")?, parts.optional("direction")?) {
+            (None, None) => None,
+            _ => Some((parts.matrix("base")?, parts.matrix("direction")?)),
         };
         let inner = method::Decomposition::restored(
             SpectralTransform::new(read_trajectory(parts)?),

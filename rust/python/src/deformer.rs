@@ -255,13 +255,12 @@ impl Deformer {
         tolerance: f64,
         wrap: impl FnOnce(Vec<Deformation>) -> T + Send + 'static,
     ) -> Result<Task<T>, Failure> {
-        self.inner.check()?;
         let positions = targets.iter().map(|t| arrays::positions("targets", t));
         let sequence = positions.collect::<Result<Vec<_>, _>>()?;
-        let (inner, shape) = (Arc::clone(&self.inner), Arc::clone(&self.shape));
+        let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
         Task::start(move |monitor| {
             let stage = monitor.whole();
-            let deformer = inner.take_for(stage)?;
+            let deformer = take(stage)?;
             let solutions = deformer.get().solve_sequence(&sequence, tolerance, stage)?;
             drop(deformer);
             let deformed = solutions
@@ -277,12 +276,11 @@ impl Deformer {
         tolerance: f64,
         wrap: impl FnOnce(Deformation) -> T + Send + 'static,
     ) -> Result<Task<T>, Failure> {
-        self.inner.check()?;
         let targets = arrays::positions("targets", targets)?;
-        let (inner, shape) = (Arc::clone(&self.inner), Arc::clone(&self.shape));
+        let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
         Task::start(move |monitor| {
             let stage = monitor.whole();
-            let deformer = inner.take_for(stage)?;
+            let deformer = take(stage)?;
             let solution = deformer.get().solve(&targets, tolerance, stage)?;
             drop(deformer);
             Ok(wrap(shape.deformed(solution)))
@@ -357,14 +355,14 @@ impl Owned {
     }
 
     /// Takes it unless other work has.
-    fn try_take(&self) -> Option<Taken<'_>> {
+    fn try_take(self: &Arc<Self>) -> Option<Taken> {
         let (from, to) = (Ordering::AcqRel, Ordering::Relaxed);
         let taken = self.owner.compare_exchange(0, process::id(), from, to);
-        taken.is_ok().then_some(Taken(self))
+        taken.is_ok().then(|| Taken(Arc::clone(self)))
     }
 
     /// Takes it once other work has ended; Ctrl-C ends the wait.
-    fn take(&self, py: Python<'_>) -> PyResult<Taken<'_>> {
+    fn take(self: &Arc<Self>, py: Python<'_>) -> PyResult<Taken> {
         loop {
             self.check()?;
             if let Some(taken) = self.try_take() {
@@ -375,22 +373,29 @@ impl Owned {
         }
     }
 
-    /// The same for a job.
-    fn take_for(&self, stage: Stage) -> spectral_tv::Result<Taken<'_>> {
-        loop {
-            if let Some(taken) = self.try_take() {
-                return Ok(taken);
+    /// The same for a job, from when it starts; where other work is still at it, once that has ended.
+    fn take_for_job(
+        self: &Arc<Self>,
+    ) -> PyResult<impl FnOnce(Stage) -> spectral_tv::Result<Taken> + use<>> {
+        self.check()?;
+        let (owned, mut taken) = (Arc::clone(self), self.try_take());
+        Ok(move |stage: Stage| {
+            loop {
+                if let Some(taken) = taken {
+                    return Ok(taken);
+                }
+                stage.check()?;
+                thread::sleep(POLL);
+                taken = owned.try_take();
             }
-            stage.check()?;
-            thread::sleep(POLL);
-        }
+        })
     }
 }
 
 /// A deformer that nobody else is at work on, until this is dropped.
-struct Taken<'a>(&'a Owned);
+struct Taken(Arc<Owned>);
 
-impl Taken<'_> {
+impl Taken {
     fn get(&self) -> MutexGuard<'_, deformation::Deformer> {
         // A panic leaves it in a state that the next solution overwrites.
         let deformer = self.0.deformer.lock();
@@ -398,7 +403,7 @@ impl Taken<'_> {
     }
 }
 
-impl Drop for Taken<'_> {
+impl Drop for Taken {
     fn drop(&mut self) {
         self.0.owner.store(0, Ordering::Release);
     }

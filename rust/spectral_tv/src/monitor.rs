@@ -39,7 +39,7 @@ struct Claim {
     what: String,
     advice: String,
     /// Held for as long as the work may take; `None` for little.
-    _ration: Option<Ration>,
+    ration: Option<Ration>,
 }
 
 impl Monitor {
@@ -95,7 +95,9 @@ impl Monitor {
         }
         let refusal = || memory::refusal(needed, what, advice);
         let mut claim = self.claim.lock().unwrap_or_else(PoisonError::into_inner);
-        *claim = None;
+        if let Some(former) = claim.as_mut() {
+            former.ration = None;
+        }
         let ration = match needed {
             ..SMALL => keep_a_little().then_some(None),
             // By half as much it gets from anywhere to where it looks whether to go on.
@@ -110,7 +112,7 @@ impl Monitor {
         *claim = Some(Claim {
             what: what.into(),
             advice: advice.into(),
-            _ration: ration,
+            ration,
         });
         self.granted.store(needed, Ordering::Relaxed);
         Ok(())
