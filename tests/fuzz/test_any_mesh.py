@@ -10,6 +10,9 @@ from hypothesis import strategies as st
 from nasty_meshes import corpus, meshes
 from patience import result
 
+# Some meshes are bad on purpose.
+pytestmark = pytest.mark.filterwarnings("ignore::spectral_tv.MeshWarning")
+
 METHODS = ["m1", "m2", "m3", "naive", "heat", "lb", "displacement"]
 SCHEMES = ["extrapolated", "lagged", "exact"]
 SOLVERS = ["auto", "cholesky", "multigrid"]

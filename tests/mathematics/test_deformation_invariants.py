@@ -9,6 +9,9 @@ from scipy.spatial.transform import Rotation
 from shapes import bumpy_sphere, dumbbell, ends
 from test_soups import KINDS, soup
 
+# Some meshes are bad on purpose.
+pytestmark = pytest.mark.filterwarnings("ignore::spectral_tv.MeshWarning")
+
 MESHES = {"dumbbell": dumbbell(n_around=24, n_along=48), "bumpy_sphere": bumpy_sphere(3, 0.3)}
 ALGORITHMS = ("convex", "paper", "harmonic", "biharmonic", "arap")
 TURN = Rotation.from_euler("xyz", [0.4, 1.1, -0.7]).as_matrix()

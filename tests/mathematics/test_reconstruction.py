@@ -13,6 +13,9 @@ import spectral_tv
 from band_errors import relative_errors, spread_bands
 from shapes import bumpy_sphere, grid, icosphere
 
+# Some meshes are bad on purpose.
+pytestmark = pytest.mark.filterwarnings("ignore::spectral_tv.MeshWarning")
+
 VERTICES, TRIANGLES = bumpy_sphere(4, amplitude=0.3)
 
 

@@ -8,6 +8,9 @@ import spectral_tv
 from shapes import bumpy_sphere, cylinder_open, dumbbell, grid, icosphere, torus
 from test_soups import KINDS, soup
 
+# Some meshes are bad on purpose.
+pytestmark = pytest.mark.filterwarnings("ignore::spectral_tv.MeshWarning")
+
 
 def joined(*meshes):
     """Several meshes as one, side by side."""

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 import spectral_tv
 
+# Some meshes are bad on purpose.
+pytestmark = pytest.mark.filterwarnings("ignore::spectral_tv.MeshWarning")
+
 KINDS = {
     "random": lambda v, rng: v,
     "flat": lambda v, rng: v * [1, 1, 0],

@@ -31,6 +31,7 @@ CALLS = {
     "conformal_flow": (MESH,),
     "default_scales": ("lb",),
     "graded_times": (),
+    "Mesh.__new__": (VERTICES, TRIANGLES),
     "Deformer.__new__": (MESH, [0, 1]),
     "Deformer.solve": (TARGETS,),
     "Deformer.solve_sequence": ([TARGETS],),

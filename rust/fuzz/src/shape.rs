@@ -1,7 +1,7 @@
 //! Meshes of up to some tens of vertices, most of them bad.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use spectral_tv::mesh::TriangleMesh;
+use spectral_tv::mesh::{Broken, Repair, TriangleMesh};
 
 use crate::number::{number, point};
 use crate::{assert_finite, unless_refused};
@@ -11,6 +11,7 @@ use crate::{assert_finite, unless_refused};
 pub struct Shape {
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[i64; 3]>,
+    repair: Repair,
 }
 
 impl<'a> Arbitrary<'a> for Shape {
@@ -35,6 +36,18 @@ impl<'a> Arbitrary<'a> for Shape {
         for vertex in &mut shape.vertices {
             *vertex = std::array::from_fn(|axis| scale * (vertex[axis] + away[axis]));
         }
+        shape.repair = Repair {
+            weld: match input.int_in_range(0..=7)? {
+                7 => Some(number(input)?),
+                6 => Some(scale * 10_f64.powi(input.int_in_range(-9..=2)?)),
+                5 => Some(0.0),
+                _ => None,
+            },
+            broken: match input.ratio(1, 8)? {
+                true => Broken::Drop,
+                false => Broken::Refuse,
+            },
+        };
         Ok(shape)
     }
 }
@@ -42,9 +55,9 @@ impl<'a> Arbitrary<'a> for Shape {
 impl Shape {
     /// The mesh, measured, or nothing where it is refused.
     pub fn mesh(&self) -> Option<TriangleMesh> {
-        let mesh = unless_refused(TriangleMesh::new(self.vertices.clone(), &self.triangles))?;
-        assert_eq!(mesh.vertices(), self.vertices);
-        assert_eq!(mesh.triangles().len(), self.triangles.len());
+        let repaired = TriangleMesh::repaired(self.vertices.clone(), &self.triangles, &self.repair);
+        let mesh = unless_refused(repaired)?;
+        self.check_repair(&mesh);
         assert!(mesh.area() > 0.0 && mesh.area().is_finite());
         assert_finite("areas of faces", mesh.face_areas());
         assert_finite("areas of vertices", mesh.vertex_areas());
@@ -52,6 +65,31 @@ impl Shape {
         let sum: f64 = mesh.vertex_areas().iter().sum();
         assert!((sum / mesh.area() - 1.0).abs() < 1e-12);
         Some(mesh)
+    }
+
+    /// What was joined, split and dropped, and nothing else, has changed.
+    fn check_repair(&self, mesh: &TriangleMesh) {
+        let found = *mesh.findings();
+        let triangles = self.triangles.len() - found.dropped_triangles + found.closed_junctions;
+        assert_eq!(mesh.triangles().len(), triangles);
+        assert!(found.open_edges <= found.open_edges_before);
+        assert!(!found.to_string().is_empty());
+        for doubt in mesh.doubts(self.repair.weld) {
+            assert!(doubt.to_string().len() > 10);
+        }
+        let Some(map) = mesh.weld_map() else {
+            assert!(!found.is_repaired());
+            assert_eq!(mesh.vertices(), self.vertices);
+            return;
+        };
+        assert_eq!(map.len(), self.vertices.len());
+        let dropped = map.iter().filter(|place| place.is_none()).count();
+        assert_eq!(dropped, found.dropped_vertices);
+        let last = map.iter().flatten().max().expect("a vertex is left");
+        assert_eq!(*last as usize + 1, mesh.vertex_count());
+        let again: Vec<_> = mesh.triangles().iter().map(|t| t.map(i64::from)).collect();
+        let again = TriangleMesh::repaired(mesh.vertices().to_vec(), &again, &self.repair);
+        assert!(!again.expect("it was a mesh").findings().is_repaired());
     }
 
     fn hurt(&mut self, input: &mut Unstructured) -> Result<()> {
@@ -99,6 +137,7 @@ fn grid(input: &mut Unstructured) -> Result<Shape> {
     Ok(Shape {
         vertices,
         triangles,
+        repair: Repair::default(),
     })
 }
 
@@ -116,6 +155,7 @@ fn bipyramid(input: &mut Unstructured) -> Result<Shape> {
     Ok(Shape {
         vertices,
         triangles,
+        repair: Repair::default(),
     })
 }
 
@@ -130,5 +170,6 @@ fn soup(input: &mut Unstructured) -> Result<Shape> {
     Ok(Shape {
         vertices,
         triangles,
+        repair: Repair::default(),
     })
 }

@@ -12,12 +12,15 @@ use crate::mesh::weld::Patch;
 
 /// Gaps up to this share of the size, the root of the area, are taken for mistakes.
 const GAP: f64 = 1e-5;
-/// The same where most edges are open, if it joins most of them.
+/// The same where hardly any triangle is joined to another, if it joins most of them.
 const WIDE_GAP: f64 = 1e-2;
 /// The least length to weld with that is named, unless it is 0, relative to the size.
 const LEAST_WELD: f64 = 1e-7;
 /// From this share of open edges on, hardly any triangle is joined to another.
 const ALONE: f64 = 0.9;
+/// Shares of open edges beyond which it is most, and many, that would close.
+const MOST: f64 = 0.5;
+const MANY: f64 = 0.1;
 /// Fewer triangles may well be meant to be alone.
 const FEW_TRIANGLES: usize = 16;
 /// The share of triangles that are the same as others from which on they are told.
@@ -37,7 +40,7 @@ pub enum Doubt {
     Torn {
         /// Open edges.
         open_edges: usize,
-        /// All edges, where most are open.
+        /// All edges, where most of them are open and most of these would close.
         edges: Option<usize>,
         /// The share of the open edges that would close.
         share: f64,
@@ -165,7 +168,7 @@ impl TriangleMesh {
         let closed = whole.surface.closed_edges();
         let torn = |share: f64, coincident: usize, weld: f64| Doubt::Torn {
             open_edges: open,
-            edges,
+            edges: edges.filter(|_| share > MOST),
             share,
             coincident,
             weld,
@@ -183,26 +186,25 @@ impl TriangleMesh {
             let weld = rounded_up(patch.surface.widest_gap().max(LEAST_WELD * size));
             (closed > exact).then(|| torn(closed as f64 / sample.len() as f64, 0, weld))
         };
-        let closes_most =
-            |doubt: &Doubt| matches!(doubt, Doubt::Torn { share, .. } if *share > 0.5);
+        let closes = |least: f64| move |doubt: &Doubt| matches!(doubt, Doubt::Torn { share, .. } if *share > least);
         let exactly = (exact > 0.0).then(|| torn(exact, coincident, 0.0));
-        let near = if whole.surface.border().is_empty() {
-            None
-        } else {
-            nearly(GAP)
+        let near = match whole.surface.border() {
+            [] => None,
+            _ => nearly(GAP),
         };
         let found = near.or(exactly);
-        if edges.is_none() || found.as_ref().is_some_and(closes_most) {
+        let Some(edges) = edges.filter(|_| !found.as_ref().is_some_and(closes(MOST))) else {
+            return found;
+        };
+        let is_alone = open as f64 > ALONE * edges as f64 && triangles.len() >= FEW_TRIANGLES;
+        if !is_alone {
             return found;
         }
-        let edges = edges?;
-        let is_alone = open as f64 > ALONE * edges as f64 && triangles.len() >= FEW_TRIANGLES;
-        let far = nearly(WIDE_GAP).filter(closes_most);
-        let alone = is_alone.then_some(Doubt::Alone {
+        let wide = nearly(WIDE_GAP).filter(closes(MOST));
+        wide.or(found.filter(closes(MANY))).or(Some(Doubt::Alone {
             open_edges: open,
             edges,
-        });
-        far.or(alone).or(found)
+        }))
     }
 
     fn patch(&self, border: &[OpenEdge]) -> Patch {
@@ -313,5 +315,54 @@ fn percent(share: f64) -> String {
         9.95.. => format!("{percent:.0} %"),
         0.05.. => format!("{percent:.1} %"),
         _ => "under 0.1 %".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_rounded_up_to_a_digit() {
+        for (length, expected) in [(3e-7, 4e-7), (1.2e-5, 2e-5), (9.5, 10.0), (0.25, 0.3)] {
+            assert_eq!(rounded_up(length), expected);
+        }
+    }
+
+    #[test]
+    fn shares_are_told_as_percentages() {
+        let texts = [0.0001, 0.012, 0.1, 0.333, 0.9999, 1.0].map(percent);
+        let expected = ["under 0.1 %", "1.2 %", "10 %", "33 %", "over 99 %", "100 %"];
+        assert_eq!(texts, expected);
+    }
+
+    #[test]
+    fn gaps_are_found_among_more_edges_than_are_looked_at() {
+        // Pairs of triangles in a long row, each pair with a gap.
+        let pairs = 30_000;
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        for pair in 0..pairs {
+            let x = 1e3 * f64::from(pair);
+            let first = vertices.len() as i64;
+            let corners = [[0., 0., 0.], [9., 0., 0.], [0., 9., 0.]];
+            let others = [[9., 0., 1e-4], [9., 9., 0.], [0., 9., 1e-4]];
+            vertices.extend(
+                corners
+                    .iter()
+                    .chain(&others)
+                    .map(|p| [x + p[0], p[1], p[2]]),
+            );
+            triangles.extend([
+                [first, first + 1, first + 2],
+                [first + 3, first + 4, first + 5],
+            ]);
+        }
+        let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
+        let doubts = mesh.doubts(None);
+        assert!(matches!(
+            doubts[..],
+            [Doubt::Torn { share, weld, .. }] if (share - 1.0 / 3.0).abs() < 1e-3 && weld == 2e-4
+        ));
+        assert_eq!(mesh.doubts(Some(2e-4)), []);
     }
 }

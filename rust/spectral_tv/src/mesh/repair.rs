@@ -211,3 +211,84 @@ fn checked_triangles(triangles: &[[i64; 3]], vertex_count: usize) -> Result<Arc<
         .map(|t| t.map(|index| index as u32))
         .collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriangleMesh;
+
+    /// Two triangles that are half a millionth apart, and a corner that is broken.
+    fn torn() -> (Vec<[f64; 3]>, [[i64; 3]; 3]) {
+        let vertices = vec![
+            [0., 0., 0.],
+            [1., 0., 0.],
+            [0., 1., 0.],
+            [1., 0., 5e-7],
+            [0., 1., 0.],
+            [1., 1., 0.],
+            [f64::NAN, 0., 0.],
+        ];
+        (vertices, [[0, 1, 2], [3, 5, 4], [0, 6, 1]])
+    }
+
+    #[test]
+    fn broken_vertices_are_dropped_and_near_ones_joined() {
+        let (vertices, triangles) = torn();
+        let repaired = |weld, broken| {
+            TriangleMesh::repaired(vertices.clone(), &triangles, &Repair { weld, broken })
+        };
+        let error = repaired(None, Broken::Refuse).unwrap_err();
+        assert_eq!(error.vertices(), [6]);
+        let mesh = repaired(None, Broken::Drop).unwrap();
+        let (left, gone) = ((0..6).map(Some), [None]);
+        let expected: Vec<_> = left.chain(gone).collect();
+        assert_eq!(mesh.weld_map(), Some(&expected[..]));
+        let mesh = repaired(Some(1e-6), Broken::Drop).unwrap();
+        let places = [Some(0), Some(1), Some(2), Some(1), Some(2), Some(3), None];
+        assert_eq!(mesh.weld_map(), Some(&places[..]));
+        assert_eq!(mesh.vertices()[1], [1., 0., 2.5e-7]);
+        assert_eq!(mesh.triangles()[..], [[0, 1, 2], [1, 3, 2]]);
+        let text = "joined 4 of 6 corners at open edges; dropped 1 vertex that is not finite, and \
+                    1 triangle there";
+        assert_eq!(mesh.findings().to_string(), text);
+        assert_eq!(mesh.findings().open_edges, 4);
+    }
+
+    #[test]
+    fn a_mesh_can_be_put_together_of_its_parts() {
+        let (vertices, triangles) = torn();
+        let repair = Repair {
+            weld: Some(1e-6),
+            broken: Broken::Drop,
+        };
+        let mesh = TriangleMesh::repaired(vertices, &triangles, &repair).unwrap();
+        let corners: Vec<_> = mesh.triangles().iter().map(|t| t.map(i64::from)).collect();
+        let with = |map: Option<Vec<Option<u32>>>| {
+            let vertices = mesh.vertices().to_vec();
+            TriangleMesh::from_parts(vertices, &corners, map, Some(*mesh.findings()))
+        };
+        let again = with(mesh.weld_map().map(<[_]>::to_vec)).unwrap();
+        assert_eq!(again.weld_map(), mesh.weld_map());
+        assert_eq!(again.findings(), mesh.findings());
+        assert_eq!(again.vertices(), mesh.vertices());
+        let error = with(Some(vec![Some(0), None, Some(4)])).unwrap_err();
+        assert!(error.to_string().contains("from 2 out of the 4 vertices"));
+    }
+
+    #[test]
+    fn lengths_that_are_none_are_refused() {
+        let (vertices, triangles) = torn();
+        for weld in [-1.0, f64::NAN, f64::INFINITY] {
+            let repair = Repair {
+                weld: Some(weld),
+                broken: Broken::Drop,
+            };
+            let error = TriangleMesh::repaired(vertices.clone(), &triangles, &repair).unwrap_err();
+            assert!(
+                error
+                    .to_string()
+                    .starts_with("weld must be a length of 0 or more")
+            );
+        }
+    }
+}
