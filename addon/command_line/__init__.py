@@ -1,23 +1,30 @@
 """The command line: ``blender --command spectral_tv VERB INPUT -o OUTPUT``."""
 
 import argparse
-import signal
 
 import bpy
 
+from . import signals, streams
 from .decompose import Decompose
 from .deform import Deform
 from .image import Filter
 
 NAME = "spectral_tv"
 VERBS = (Decompose(), Deform(), Filter())
-INTERRUPTED = 130
 
 
 def run(arguments: list[str]) -> int:
     """Do what the command line says and return the exit code: 0 only if all succeeded."""
-    # Blender's own handler would wait for the end.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with streams.may_be_lost(), signals.heeded():
+        try:
+            return _run(arguments)
+        except SystemExit as end:  # it would close Blender, and the code would be lost
+            return end.code if isinstance(end.code, int) else 1
+        except KeyboardInterrupt:
+            return signals.code()
+
+
+def _run(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(
         prog=f"blender --command {NAME}",
         description="Filter the detail of meshes or pictures, or move parts of meshes.",
@@ -25,13 +32,8 @@ def run(arguments: list[str]) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for verb in VERBS:
         verb.add_parser(commands)
-    try:
-        choices = parser.parse_args(arguments)
-        return choices.run(choices)
-    except SystemExit as end:  # it would close Blender, and the code would be lost
-        return end.code if isinstance(end.code, int) else 1
-    except KeyboardInterrupt:
-        return INTERRUPTED
+    choices = parser.parse_args(arguments)
+    return choices.run(choices)
 
 
 _handle = None

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import files
+from .formats import exportable, importable
 
 EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"
 
 
 def epilog(examples: str) -> str:
     """What a verb's help ends with."""
-    reads, writes = " ".join(files.importable()), " ".join(files.exportable())
+    reads, writes = " ".join(importable()), " ".join(exportable())
     return f"reads:  {reads}\nwrites: {writes}\n\nexamples:\n{examples}\n\n{EXIT_CODES}"
 
 
@@ -42,16 +42,27 @@ def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> No
         help=f"{verb} this object instead of all; repeatable. Formats other than .blend then hold "
         "nothing else",
     )
+    add_report(parser)
+
+
+def add_report(parser: argparse.ArgumentParser) -> None:
+    """Declare where what became of every input is written."""
+    parser.add_argument(
+        "--report",
+        metavar="FILE",
+        type=_path,
+        help="add a line of JSON for every input to this file, such as report.jsonl",
+    )
 
 
 def complaint(choices: argparse.Namespace) -> str | None:
     """What is wrong with the arguments together; None if nothing is."""
     if choices.output is None and choices.render is None:
         return "say where the result goes: -o, --render or both"
-    if choices.format is not None and not (choices.output and choices.output.is_dir()):
+    if choices.format is not None and not (choices.output and is_folder(choices.output)):
         return "--format goes with -o and a folder that exists"
     for name, place in (("-o", choices.output), ("--render", choices.render)):
-        if place is None or place.is_dir():
+        if place is None or is_folder(place):
             continue
         if len(choices.inputs) > 1:
             return f"several inputs need a folder that exists: {name} {place}"
@@ -63,22 +74,22 @@ def complaint(choices: argparse.Namespace) -> str | None:
 def outputs(choices: argparse.Namespace, source: Path) -> tuple[Path | None, Path | None]:
     """The file and the picture to write for an input."""
     file, picture = choices.output, choices.render
-    if file is not None and file.is_dir():
+    if file is not None and is_folder(file):
         file = file / f"{source.stem}{choices.format or source.suffix}"
-    if picture is not None and picture.is_dir():
+    if picture is not None and is_folder(picture):
         picture = picture / f"{source.stem}.png"
     return file, picture
 
 
 def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
-    writable = files.exportable()
+    writable = exportable()
     inputs = {source.resolve() for source in choices.inputs}
     taken: set[Path] = set()
     for source in choices.inputs:
         file, picture = outputs(choices, source)
         # An input without a known suffix has its own message.
         if file is not None and file.suffix.lower() not in writable:
-            if choices.output.is_dir() and choices.format is None:
+            if is_folder(choices.output) and choices.format is None:
                 file = None
             else:
                 return f"this Blender writes no {file.suffix or 'files without suffix'}: {file}"
@@ -92,6 +103,14 @@ def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
                 return f"{target} is an input; name it with -o, or choose another folder"
             taken.add(place)
     return None
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder of that name, whatever the name."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):  # a name that is too long
+        return False
 
 
 def whole(least: int, most: int) -> Callable[[str], int]:

@@ -14,9 +14,10 @@ from ..deformation.constraints import ALGORITHMS, deformation_of
 from ..deformation.deform import message, prepare, write
 from ..deformation.empties import add_empty
 from ..scene.animation import travel
+from ..scene.notes import note
 from ..scene.objects import Refusal
-from . import files
 from .arguments import percent
+from .formats import BLEND, HOLDS, YES
 from .places import group_of
 from .progress import progress, say
 from .verb import Task, Verb
@@ -84,8 +85,9 @@ the deformed shape, with --frames that of the current frame."""
             "--frames",
             metavar="START-END[:STEP]",
             type=_frames,
-            help="a shape key for each of these frames, played in turn as the handles move; those "
-            "of --move go their way from the first to the last",
+            help="a shape key for each of these frames and the last one, played in turn as the "
+            "handles move; those of --move go their way from the first to the last. With = where "
+            "the first is negative: --frames=-10-40",
         )
 
     def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
@@ -112,6 +114,11 @@ the deformed shape, with --frames that of the current frame."""
     ) -> None:
         """Give an object the shape keys of its deformation."""
         (obj,) = objects
+        if choices.moves and not _parts(obj, [where for where, _ in choices.moves], choices):
+            note(f"{obj.name} was left as it is: it has none of the groups to move")
+            return
+        if obj.data.users > 1:
+            note(f"{obj.data.users} objects share the mesh of {obj.name}: all are deformed alike")
         deformation = deformation_of(obj)
         if choices.algorithm is not None:
             deformation.algorithm = choices.algorithm.upper()
@@ -120,17 +127,24 @@ the deformed shape, with --frames that of the current frame."""
         empties = _constrain(obj, choices) if choices.moves else []
         done = _deform(obj, task) if choices.frames is None else _bake(obj, choices.frames, task)
         say(f"{task.label}: {done}")
-        if task.file is None or task.file.suffix.lower() != files.BLEND:
+        suffix = None if task.file is None else task.file.suffix.lower()
+        if suffix != BLEND:
             bpy.data.batch_remove(empties)
+        if choices.frames is not None and suffix is not None and HOLDS[suffix]["keys"] != YES:
+            frame = bpy.context.scene.frame_current
+            note(f"{suffix} holds no animation of shapes: it has that of frame {frame}")
 
 
 def _constrain(obj: bpy.types.Object, choices: argparse.Namespace) -> list[bpy.types.Object]:
     """Replace the constraints of ``obj`` by those asked for, and return their handles."""
     deformation_of(obj).constraints.clear()
-    for where in choices.pins:
+    for where in _parts(obj, choices.pins, choices):
         constraints.add(obj, group_of(obj, where))
     empties = []
+    here = _parts(obj, [where for where, _ in choices.moves], choices)
     for where, offset in choices.moves:
+        if where not in here:
+            continue
         constraint = constraints.add(obj, group_of(obj, where), "OBJECT")
         empty = constraint.target = add_empty(obj, constraint.vertex_group)
         rest = empty.matrix_world.copy()
@@ -143,6 +157,26 @@ def _constrain(obj: bpy.types.Object, choices: argparse.Namespace) -> list[bpy.t
     return empties
 
 
+def _parts(obj: bpy.types.Object, named: list[str], choices: argparse.Namespace) -> list[str]:
+    """Those of several parts that ``obj`` has; notes a group that only another object has.
+
+    Raises Refusal if no object has it, or ``obj`` was asked for by name.
+    """
+    found = []
+    for where in named:
+        try:
+            group_of(obj, where)
+        except Refusal:
+            others = [each for each in bpy.context.view_layer.objects if each.type == "MESH"]
+            is_elsewhere = any(where.strip() in each.vertex_groups for each in others)
+            if choices.objects or not is_elsewhere:
+                raise
+            note(f"{obj.name} has no vertex group {where.strip()!r}")
+        else:
+            found.append(where)
+    return found
+
+
 def _deform(obj: bpy.types.Object, task: Task) -> str:
     deformation = deformation_of(obj)
     deformable, arguments = prepare(obj, deformation.algorithm, deformation.softness)
@@ -152,11 +186,13 @@ def _deform(obj: bpy.types.Object, task: Task) -> str:
     return message(result, deformation.algorithm)
 
 
-def _bake(obj: bpy.types.Object, frames: range, task: Task) -> str:
+def _bake(obj: bpy.types.Object, frames: list[int], task: Task) -> str:
     scene = bpy.context.scene  # exporters keep to its frames
     scene.frame_start = min(scene.frame_start, frames[0])
     scene.frame_end = max(scene.frame_end, frames[-1])
-    deformable, targets, deformer = baking.prepare(obj, frames)
+    if scene.frame_start > frames[0]:  # Blender has no such start
+        note(f"the scene starts at frame {scene.frame_start}: no export goes back to {frames[0]}")
+    deformable, targets, deformer = baking.prepare(obj, frames, lambda _fraction: None)
     with progress(task.label) as show:
         results = deformer.solve_sequence(targets, progress=show)
     return baking.write(obj, frames, deformable, results)
@@ -174,7 +210,7 @@ def _move(text: str) -> tuple[str, tuple[float, ...]]:
     return where, offset
 
 
-def _frames(text: str) -> range:
+def _frames(text: str) -> list[int]:
     found = FRAMES.fullmatch(text)
     if found is None or int(found[3] or 1) == 0:
         message = f"{text!r} is not START-END or START-END:STEP, such as 1-40:2"
@@ -182,4 +218,4 @@ def _frames(text: str) -> range:
     start, end, step = int(found[1]), int(found[2]), int(found[3] or 1)
     if end < start:
         raise argparse.ArgumentTypeError(f"frame {end} comes before frame {start}")
-    return range(start, end + 1, step)
+    return baking.frames_of(start, end, step)

@@ -1,33 +1,27 @@
 """The verb that filters images: pictures in, pictures out."""
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
-import spectral_tv
 
-from ..files.whole import written
-from ..images import pixels
-from ..images.bands import Choice, prepare, write
+from ..images import colors
+from ..images.bands import Choice, filtered, prepare
+from ..images.formats import BY_SUFFIX, DEPTHS, FORMATS
 from ..images.properties import METRICS
+from ..images.reading import read_picture
+from ..images.saving import save_picture
 from ..scene.objects import Refusal
-from .arguments import EXIT_CODES, positive, whole
+from .arguments import EXIT_CODES, add_report, positive, whole
 from .decompose import add_gains, band_values, complaint_of_gains
 from .progress import progress, say
+from .report import Entry
 from .verb import Command
+from .writing import written_by_blender
 
-# What Blender calls the formats it writes, by suffix.
-FORMATS = {
-    ".png": "PNG",
-    ".jpg": "JPEG",
-    ".jpeg": "JPEG",
-    ".tif": "TIFF",
-    ".tiff": "TIFF",
-    ".webp": "WEBP",
-    ".bmp": "BMP",
-    ".tga": "TARGA",
-    ".exr": "OPEN_EXR",
-}
+# Formats and their depths, for the help.
+WRITES = ", ".join(f"{suffix} ({' '.join(form.depths)})" for suffix, form in BY_SUFFIX.items())
 
 
 class Filter(Command):
@@ -38,10 +32,14 @@ class Filter(Command):
     description = """\
 Split pictures into bands by spectral total variation, filter them, and write them.
 
-Works on the stored values: those of the file where it has 8 bits, linear ones otherwise."""
+Works on the values of the file: encoded for displays in most formats, scene-linear in .exr. Those
+of transparent pixels mean nothing and take no part. What is written has the depth, the channels and
+the color space of the input, as far as its format has them; only .exr gets scene-linear colors, and
+8 and 16 bits get sRGB where the input is linear floats."""
     examples = """\
   blender --command spectral_tv image photo.jpg -o flat.png --gain 1=0 --gain 2=0
-  blender --command spectral_tv image *.png -o results --luminance --curve 0:0,0.5:1,1:2"""
+  blender --command spectral_tv image *.png -o results --luminance --curve 0:0,0.5:1,1:2
+  blender --command spectral_tv image height.tif -o smooth.exr --colorspace Non-Color --gain 1=0"""
 
     def add_parser(self, commands: argparse._SubParsersAction) -> None:
         """Add the verb to the command line."""
@@ -49,7 +47,7 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
             self.name,
             help=self.summary,
             description=self.description,
-            epilog=f"writes: {' '.join(FORMATS)}\n\nexamples:\n{self.examples}\n\n{EXIT_CODES}",
+            epilog=f"writes: {WRITES}\n\nexamples:\n{self.examples}\n\n{EXIT_CODES}",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         add = parser.add_argument
@@ -61,6 +59,33 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
             type=Path,
             required=True,
             help="the picture to write, or a folder that exists",
+        )
+        add(
+            "--format",
+            metavar="SUFFIX",
+            type=lambda text: "." + text.lower().lstrip("."),
+            help="what to write into the folder, such as png; as the input if not given",
+        )
+        add(
+            "--depth",
+            choices=DEPTHS,
+            help="8 or 16 bits, or floats of 16 (half) or 32 bits; as the input if not given, or "
+            "what is next to it",
+        )
+        add(
+            "--colorspace",
+            metavar="NAME",
+            help="the color space that the values of the inputs are in, such as Non-Color or "
+            "'Linear Rec.709'; what Blender assumes if not given",
+        )
+        qualities = ", ".join(
+            f"{form.quality} in {form.suffixes[0]}" for form in FORMATS if form.quality is not None
+        )
+        add(
+            "--quality",
+            metavar="PERCENT",
+            type=whole(1, 100),
+            help=f"of formats that lose some; default {qualities}, where 100 loses nothing",
         )
         metrics = [name.lower() for name, _, _ in METRICS]
         add("--metric", choices=metrics, default=metrics[0], help=f"default {metrics[0]}")
@@ -91,6 +116,7 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
         )
         add("--exact", action="store_true", help="follow total variation exactly; slower")
         add_gains(parser)
+        add_report(parser)
         parser.set_defaults(run=self._run, parser=parser)
 
     def complaint(self, choices: argparse.Namespace) -> str | None:
@@ -98,43 +124,68 @@ Works on the stored values: those of the file where it has 8 bits, linear ones o
         output = choices.output
         if len(choices.inputs) > 1 and not output.is_dir():
             return f"several inputs need a folder that exists: -o {output}"
+        if choices.format is not None and not output.is_dir():
+            return "--format goes with -o and a folder that exists"
         if not output.is_dir() and not output.parent.is_dir():
             return f"there is no folder {output.parent}"
-        targets = [_target(choices, source) for source in choices.inputs]
-        for target in targets:
-            if target.suffix.lower() not in FORMATS:
-                return f"pictures are written as {' '.join(FORMATS)}, not {target}"
-        if len(set(targets)) < len(targets):
-            return f"several inputs would be written to one file in {output}"
-        if {target.resolve() for target in targets} & {i.resolve() for i in choices.inputs}:
-            return "an input would be overwritten"
-        return complaint_of_gains(choices, choices.bands, choices.steps)
+        reason = _complaint_of_targets(choices) or _complaint_of_space(choices)
+        return reason or complaint_of_gains(choices, choices.bands, choices.steps)
 
-    def _treat_file(self, choices: argparse.Namespace, source: Path) -> None:
+    def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
         if not source.is_file():
             raise Refusal("there is no such file")
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-        image = bpy.data.images.load(str(source.absolute()))
-        reason = pixels.refusal(image)
-        if reason is not None:
-            raise Refusal(reason)
+        picture = read_picture(source, choices.colorspace)
         choice = _choice(choices)
-        prepared = prepare(image, choice)
+        prepared = prepare(picture.pixels, choice)
         with progress(str(source)) as show:
-            flow = spectral_tv.decompose_image(**prepared.arguments, progress=show)
-        (name,), cut = write(image, prepared, choice, flow)
-        if cut:
-            say(f"{source}: {cut} pixels cut off at black and white")
+            flow = prepared.request.run(show)
+        result = replace(picture, pixels=filtered(prepared, choice, flow))
         target = _target(choices, source)
-        result = bpy.data.images[name]
-        result.file_format = FORMATS[target.suffix.lower()]
-        with written(target) as path:
-            result.save(filepath=str(path))
+        with written_by_blender(target) as path:
+            save_picture(result, path, choices.depth, choices.quality)
+        entry.output = str(target)
         say(f"{source}: wrote {target}")
 
 
+def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
+    inputs = {source.resolve() for source in choices.inputs}
+    taken: set[Path] = set()
+    for source in choices.inputs:
+        target = _target(choices, source)
+        form = BY_SUFFIX.get(target.suffix.lower())
+        if form is None:
+            hint = "; choose another with --format" if choices.output.is_dir() else ""
+            return f"pictures are written as {' '.join(BY_SUFFIX)}, not {target}{hint}"
+        if choices.depth is not None and choices.depth not in form.depths:
+            depths = " or ".join(form.depths)
+            return f"the depth of a {target.suffix} is {depths}, not {choices.depth}: {target}"
+        place = target.resolve()
+        if place in taken:
+            return f"two inputs would become {target}"
+        if place in inputs:
+            return f"an input would be overwritten: {target}"
+        taken.add(place)
+    return None
+
+
+def _complaint_of_space(choices: argparse.Namespace) -> str | None:
+    """Complain of an unknown colour space; a known one gets the name that Blender has for it."""
+    if choices.colorspace is None:
+        return None
+    known = {name.casefold(): name for name in colors.names()}
+    found = known.get(choices.colorspace.casefold())
+    if found is None:
+        names = ", ".join(known.values())
+        return f"there is no color space {choices.colorspace!r}; there are: {names}"
+    choices.colorspace = found
+    return None
+
+
 def _target(choices: argparse.Namespace, source: Path) -> Path:
-    return choices.output / source.name if choices.output.is_dir() else choices.output
+    if not choices.output.is_dir():
+        return choices.output
+    return choices.output / f"{source.stem}{choices.format or source.suffix}"
 
 
 def _choice(choices: argparse.Namespace) -> Choice:

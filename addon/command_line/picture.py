@@ -9,6 +9,7 @@ from mathutils import Euler, Vector
 
 from ..scene.objects import Refusal
 from ..scene.records import coordinates
+from .writing import written_by_blender
 
 SIDE = 640
 SAMPLES = 24
@@ -24,8 +25,8 @@ AMBIENT = 0.25
 def render(objects: Sequence[bpy.types.Object], path: Path) -> None:
     """Render objects as they are now to a PNG.
 
-    It leaves a scene behind, and shows objects that were hidden. Raises Refusal or RuntimeError
-    if there is nothing to see or no picture comes of it.
+    It leaves a scene behind, and shows objects that were hidden. Raises Refusal, NotWritten or
+    RuntimeError if there is nothing to see or no picture comes of it.
     """
     shown = bpy.context.scene
     scene = bpy.data.scenes.new("Picture")
@@ -38,11 +39,11 @@ def render(objects: Sequence[bpy.types.Object], path: Path) -> None:
     layer = scene.view_layers[0]
     layer.material_override = _clay()
     _add_camera(scene, turn, _points(objects, layer))
-    _set_output(scene, path)
-    before = path.stat().st_mtime_ns if path.exists() else None
-    bpy.ops.render.render(scene=scene.name, write_still=True)
-    if not path.exists() or path.stat().st_mtime_ns == before:
-        raise Refusal(f"Blender did not write {path}")
+    _set_output(scene)
+    bpy.ops.render.render(scene=scene.name)
+    with written_by_blender(path) as place:
+        # The renderer itself would take # and {} in the path for more than they are.
+        bpy.data.images["Render Result"].save_render(str(place), scene=scene)
 
 
 def _points(objects: Sequence[bpy.types.Object], layer: bpy.types.ViewLayer) -> np.ndarray:
@@ -105,7 +106,7 @@ def _use_nodes(data: bpy.types.World | bpy.types.Material) -> None:
         data.use_nodes = True
 
 
-def _set_output(scene: bpy.types.Scene, path: Path) -> None:
+def _set_output(scene: bpy.types.Scene) -> None:
     try:
         scene.render.engine = "CYCLES"
     except TypeError as error:
@@ -120,5 +121,3 @@ def _set_output(scene: bpy.types.Scene, path: Path) -> None:
     scene.view_settings.view_transform = "Standard"
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGBA"
-    scene.render.use_file_extension = False
-    scene.render.filepath = str(path)

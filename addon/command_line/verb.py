@@ -1,18 +1,25 @@
 """What all verbs do: read a file, treat its objects, write and picture them, one by one."""
 
 import argparse
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 import spectral_tv
 
+from ..files.whole import ensure_writable
 from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
-from . import files, picture
+from . import errors, picture
 from .arguments import add_arguments, complaint, epilog, outputs
+from .load import Source, freeze, load
 from .progress import say
+from .report import DONE, Entry, Report
+from .save import save
+from .signals import heed
 
 FAILED = 1
 
@@ -41,8 +48,8 @@ class Command:
         """What is wrong with the arguments together; None if nothing is."""
         raise NotImplementedError
 
-    def _treat_file(self, choices: argparse.Namespace, source: Path) -> None:
-        """Do it; raises Refusal, spectral_tv.MeshError or what Blender does."""
+    def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
+        """Do it and say so in ``entry``; raises one of ERRORS."""
         raise NotImplementedError
 
     def _run(self, choices: argparse.Namespace) -> int:
@@ -50,28 +57,55 @@ class Command:
         reason = self.complaint(choices)
         if reason is not None:
             choices.parser.error(reason)
-        results = [self._try(choices, source) for source in choices.inputs]
+        try:
+            report = Report(choices.report)
+        except OSError as error:
+            choices.parser.error(f"--report {choices.report}: {error.strerror}")
+        results = [self._try(choices, source, report) for source in choices.inputs]
         if len(results) > 1:
             say(f"{sum(results)} of {len(results)} inputs succeeded")
         return 0 if all(results) else FAILED
 
-    def _try(self, choices: argparse.Namespace, source: Path) -> bool:
+    def _try(self, choices: argparse.Namespace, source: Path, report: Report) -> bool:
+        """Treat an input, say and report what became of it, and whether that is good."""
+        entry = Entry(str(source))
+        started = time.perf_counter()
         try:
-            with gathered() as notes:
-                self._treat_file(choices, source)
-            for note in notes:
-                say(f"{source}: {note}")
-        except (
-            Refusal,
-            spectral_tv.MeshError,
-            MemoryError,
-            RuntimeError,
-            ValueError,
-            OSError,
-        ) as error:
-            say(f"{source}: error: {_reason(error)}")
-            return False
-        return True
+            with gathered() as entry.warnings:
+                try:
+                    self._treat_file(choices, source, entry)
+                    entry.status = DONE
+                except ERRORS as error:
+                    heed()
+                    entry.error = errors.reason(error)
+            told = entry.warnings if entry.error is None else [f"error: {entry.error}"]
+            for text in told:
+                say(f"{source}: {text}")
+        except KeyboardInterrupt:
+            entry.error = entry.error if entry.status == DONE else "interrupted"
+            raise
+        finally:
+            entry.seconds = round(time.perf_counter() - started, 3)
+            is_reported = _record(report, entry)
+        heed()
+        return entry.status == DONE and is_reported
+
+
+ERRORS = (Refusal, spectral_tv.MeshError, MemoryError, RuntimeError, ValueError, OSError)
+
+
+def _record(report: Report, entry: Entry) -> bool:
+    """Add a line to the report, whatever comes between; False if it cannot be written."""
+    try:
+        try:
+            report.add(entry)
+        except KeyboardInterrupt:
+            report.add(entry)
+            raise
+    except OSError as error:
+        say(f"{entry.input}: error: {error}")
+        return False
+    return True
 
 
 class Verb(Command):
@@ -125,23 +159,31 @@ class Verb(Command):
         self.add_arguments(parser)
         parser.set_defaults(run=self._run, parser=parser)
 
-    def _treat_file(self, choices: argparse.Namespace, source: Path) -> None:
-        files.load(source.absolute())
-        objects = _named(choices.objects) if choices.objects else self.choose(choices)
+    def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
         file, shot = outputs(choices, source)
+        for target in filter(None, (file, shot)):
+            ensure_writable(target.absolute())
+        read = load(source.absolute())
+        objects = _named(choices.objects) if choices.objects else self.choose(choices)
+        entry.read = _told(read)
         distinct = list({obj.data: obj for obj in reversed(objects)}.values())[::-1]
         for obj in distinct:
             reason = refusal(obj)
             if reason is not None:
                 raise Refusal(f"{obj.name}: {reason}")
+        freeze(read)
+        entry.done = {"verb": self.name, "settings": settings_of(choices), "objects": []}
         for group in self.groups(distinct, choices):
-            names = ", ".join(obj.name for obj in group)
-            self._treat_group(group, choices, Task(file, f"{source}: {names}"))
+            names = [obj.name for obj in group]
+            self._treat_group(group, choices, Task(file, f"{source}: {', '.join(names)}"))
+            entry.done["objects"].append(names)
         if file is not None:
-            files.save(file.absolute(), objects if choices.objects else None)
+            save(file.absolute(), objects if choices.objects else None, read)
+            entry.output = str(file)
             say(f"{source}: wrote {file}")
         if shot is not None:
             picture.render(objects, shot.absolute())
+            entry.picture = str(shot)
             say(f"{source}: wrote {shot}")
 
     def _treat_group(
@@ -161,10 +203,33 @@ def _named(names: list[str]) -> list[bpy.types.Object]:
     return [present[name] for name in dict.fromkeys(names)]
 
 
-def _reason(error: Exception) -> str:
-    """The message of an error in one line; Blender's own begin with a label, and may be many."""
-    lines = [line.strip() for line in str(error).splitlines()]
-    told = [line for line in lines if line and not line.startswith("Location:")]
-    if any(line.startswith("Traceback") or "Python: Traceback" in line for line in told):
-        told = told[-1:]
-    return "; ".join(line.removeprefix("Error: ") for line in told) or type(error).__name__
+# What is no setting of a verb.
+PLACES = ("inputs", "output", "format", "render", "report", "objects", "run", "parser")
+
+
+def settings_of(choices: argparse.Namespace) -> dict[str, Any]:
+    """The settings of a verb that were chosen, or are its defaults."""
+    return {name: value for name, value in vars(choices).items() if name not in PLACES}
+
+
+def _told(read: Source) -> dict[str, Any]:
+    """What was read, for the report."""
+    meshes = [obj for obj in bpy.context.view_layer.objects if obj.type == "MESH"]
+    objects = [
+        {"name": obj.name, "vertices": len(obj.data.vertices), "faces": len(obj.data.polygons)}
+        for obj in meshes
+    ]
+    digits = read.digits
+    return {
+        "format": read.suffix,
+        "objects": objects,
+        "vertices": sum(obj["vertices"] for obj in objects),
+        "faces": sum(obj["faces"] for obj in objects),
+        "frames": [read.frames[0], read.frames[-1]] if read.frames else None,
+        "units": dict(read.units),
+        "digits": {
+            "text": digits.is_text,
+            "double": digits.is_double,
+            "offset": digits.offset.tolist() if digits.is_moved else None,
+        },
+    }

@@ -1,34 +1,52 @@
 """The deformation of an object on many frames: from moving handles to a shape-key animation."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import bpy
 import numpy as np
 import spectral_tv
 
-from ..scene.animation import play_in_turn, remove_animation
-from ..scene.shape_keys import add_displacements
-from .constraints import deformation_of
-from .deform import NAME, Deformable, result_key
+from ..scene import frames as time
+from ..scene.animation import as_before, check_animatable, play_in_turn
+from ..scene.notes import note
+from ..scene.objects import Refusal
+from ..scene.places import kept_up
+from ..scene.shape_keys import add_displacements, remove_key
+from ..scene.whole import whole
+from . import results
+from .constraints import deformation_of, followed_by
+from .deform import Deformable, is_same_metric, metric_of
+
+
+def frames_of(start: int, end: int, step: int) -> list[int]:
+    """Every ``step``-th frame from the first on, and the last one."""
+    return sorted({*range(start, end + 1, step), end})
 
 
 def prepare(
-    obj: bpy.types.Object, frames: Sequence[int]
+    obj: bpy.types.Object, frames: Sequence[int], progress: Callable[[float], None]
 ) -> tuple[Deformable, list[np.ndarray], spectral_tv.Deformer]:
     """What is read of ``obj``, the targets of every frame, and what solves for them.
 
-    Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
+    ``progress`` takes the fraction of the frames that was read. Raises Refusal or
+    spectral_tv.MeshError if it cannot be deformed.
     """
-    deformable = Deformable.read(obj)
+    if obj.data.shape_keys is not None:
+        check_animatable(obj.data.shape_keys)
     scene = bpy.context.scene
-    frame, subframe = scene.frame_current, scene.frame_subframe
-    try:
-        targets = []
-        for number in frames:
-            scene.frame_set(number)
-            targets.append(deformable.targets(obj))
-    finally:
-        scene.frame_set(frame, subframe=subframe)
+    targets: list[np.ndarray] = []
+    with kept_up(followed_by(obj), over_frames=True), time.kept(scene):
+        deformable = Deformable.read(obj)
+        first, metric = scene.frame_current, metric_of(obj)
+        for number in time.visited(scene, frames):
+            try:
+                targets.append(deformable.grips.targets(obj))
+            except Refusal as error:
+                raise Refusal(f"on frame {number}: {error}") from error
+            if not is_same_metric(metric_of(obj), metric):
+                note(f"its scale is animated: lengths are those of frame {first}")
+            progress(len(targets) / len(frames))
+    deformable.note_turning(targets, deformation_of(obj).algorithm)
     return deformable, targets, deformable.deformer(obj)
 
 
@@ -36,34 +54,29 @@ def write(
     obj: bpy.types.Object,
     frames: Sequence[int],
     deformable: Deformable,
-    results: Sequence[spectral_tv.Deformation],
+    solutions: Sequence[spectral_tv.Deformation],
 ) -> str:
     """Write one shape key per frame, play them in turn, and say what was done.
 
-    They replace those of an earlier baking.
+    They replace those of an earlier baking, once they are all there.
     """
-    _remove_baked(obj)
-    single = result_key(obj)
-    if single is not None:
-        single.value = 0.0  # it would be added to the baked ones
-    names = [f"{NAME} {frame}" for frame in frames]
-    displacements = np.stack([deformable.displacement(each) for each in results])
-    keys = add_displacements(obj, names, displacements)
-    play_in_turn(obj, keys, frames)
-    for key in keys:
-        deformation_of(obj).baked.add().name = key.name
+    names = [f"{results.NAME} {frame}" for frame in frames]
+    former = results.Known.of(obj)
+    with whole(obj), as_before(obj):
+        displacements = (deformable.displacement(each) for each in solutions)
+        keys = add_displacements(obj, names, displacements)
+        play_in_turn(obj, keys, frames)
+    results.keep(former.kept)
+    for key in former.baked:
+        remove_key(obj, key)
+    baked = deformation_of(obj).baked
+    baked.clear()
+    for key, name in zip(keys, names, strict=True):
+        if name not in obj.data.shape_keys.key_blocks:  # free by now
+            key.name = name
+        baked.add().take(obj, "KEY", key.name)
+    deformation_of(obj).vertex_count = len(obj.data.vertices)
+    results.show_baked(obj)
     scene = bpy.context.scene
     scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # the shape of this frame
-    return f"{len(keys)} frames baked"
-
-
-def _remove_baked(obj: bpy.types.Object) -> None:
-    """Remove the shape keys of an earlier baking, and their animation."""
-    baked = deformation_of(obj).baked
-    keys = obj.data.shape_keys
-    for entry in baked if keys is not None else ():
-        key = keys.key_blocks.get(entry.name)
-        if key is not None:
-            remove_animation(obj, key)
-            obj.shape_key_remove(key)
-    baked.clear()
+    return f"{len(keys)} frames baked" if len(keys) > 1 else f"frame {frames[0]} baked"

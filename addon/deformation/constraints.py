@@ -1,6 +1,9 @@
 """What holds and moves an object in a deformation: kept in the file, on the object."""
 
+from contextlib import suppress
+
 import bpy
+import numpy as np
 from bpy.props import (
     CollectionProperty,
     EnumProperty,
@@ -10,9 +13,10 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
-from mathutils import Matrix
 
+from ..scene.fingerprints import Fingerprint
 from ..scene.objects import Refusal
+from ..scene.places import Followed, is_in_a_scene, kept_up, matrix_of
 
 KINDS = (
     ("PIN", "Pin", "The vertices of the group stay where they are", "PINNED", 0),
@@ -21,30 +25,66 @@ KINDS = (
 )
 ALGORITHMS = (
     ("CONVEX", "Total Variation", "Rigid pieces; narrow places take all of the stretch"),
-    ("PAPER", "Reweighted", "The same by another route, slower and less exact; for comparison"),
+    (
+        "PAPER",
+        "Reweighted",
+        "The paper's Algorithm 1. Slower, and it may end with the stretch in another, wider place, "
+        "or far off where handles turn; for comparison",
+    ),
     ("HARMONIC", "Harmonic", "Stretches everything a little; for comparison"),
     ("BIHARMONIC", "Biharmonic", "Stretches everything smoothly; for comparison"),
-    ("ARAP", "As Rigid as Possible", "Bends and turns everything a little; for comparison"),
+    ("ARAP", "As Rigid as Possible", "Bends and turns everything a little"),
 )
+# Those by which pieces turn with their handles.
+TURNING = ("ARAP",)
+# Beyond this, relative to its longest axis, the shortest axis of a handle is none.
+FLAT = 1e-4
 
 
-def _followed_changed(constraint: "SpectralTVConstraint", _context: bpy.types.Context) -> None:
-    constraint.set_rest()
+def label_of(algorithm: str) -> str:
+    """What an algorithm is called."""
+    return next(label for name, label, _ in ALGORITHMS if name == algorithm)
+
+
+def _changed(constraint: "SpectralTVConstraint", _context: bpy.types.Context) -> None:
+    """Give a constraint its identifier; scripts add some too."""
+    if constraint.uid == 0:
+        deformation = deformation_of(constraint.id_data)
+        deformation.last_uid += 1
+        constraint.uid = deformation.last_uid
+
+
+def _followed_changed(constraint: "SpectralTVConstraint", context: bpy.types.Context) -> None:
+    _changed(constraint, context)
+    constraint.rest = [0.0] * 16
+    with suppress(Refusal):  # told when it is used; what is chosen next may be right
+        constraint.set_rest()
+
+
+def _can_be_followed(constraint: "SpectralTVConstraint", obj: bpy.types.Object) -> bool:
+    return obj != constraint.id_data
 
 
 class SpectralTVConstraint(bpy.types.PropertyGroup):
     """A vertex group, and where its vertices go."""
 
+    uid: IntProperty(
+        name="Identifier", description="Stays while constraints come and go", options={"HIDDEN"}
+    )
     vertex_group: StringProperty(
         name="Vertex Group",
         description="The vertices. Those with a weight below 1 are pulled there like by springs",
+        update=_changed,
     )
-    kind: EnumProperty(name="Kind", description="Where the vertices go", items=KINDS)
+    kind: EnumProperty(
+        name="Kind", description="Where the vertices go", items=KINDS, update=_changed
+    )
     target: PointerProperty(
         type=bpy.types.Object,
         name="Object",
         description="The object that the vertices follow, from where it is now",
         update=_followed_changed,
+        poll=_can_be_followed,
     )
     bone: StringProperty(
         name="Bone",
@@ -58,37 +98,68 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
         name="Rest", size=16, description="The mesh object as its handle sees it at rest"
     )
 
-    def set_rest(self) -> None:
-        """Take the present places of the handle and the mesh object for those of rest."""
-        matrix = self._followed()
-        if matrix is not None:
-            seen = matrix.inverted_safe() @ self.id_data.matrix_world
-            self.rest = [value for row in seen for value in row]
-
-    def motion(self) -> Matrix:
-        """What the handle does to points of the mesh object since rest, in object space.
-
-        Raises Refusal if there is no handle.
-        """
-        matrix = self._followed()
-        if matrix is None:
-            thing = f"bone {self.bone!r}" if self.target is not None and self.bone else "object"
-            raise Refusal(f"the {thing} that moves {self.vertex_group!r} is missing")
-        rest = Matrix([self.rest[4 * row : 4 * row + 4] for row in range(4)])
-        return self.id_data.matrix_world.inverted_safe() @ matrix @ rest
-
-    def _followed(self) -> Matrix | None:
-        """World matrix of the object or bone to follow."""
+    @property
+    def followed(self) -> Followed:
+        """The object and the bone to follow; raises Refusal if there is none, or it was deleted."""
         if self.target is None:
-            return None
-        if self.target.type != "ARMATURE" or not self.bone:
-            return self.target.matrix_world
-        bone = self.target.pose.bones.get(self.bone)
-        return None if bone is None else self.target.matrix_world @ bone.matrix
+            raise Refusal(f"the object that moves {self.vertex_group!r} is missing")
+        if not is_in_a_scene(self.target):
+            raise Refusal(
+                f"the object {self.target.name!r} that moves {self.vertex_group!r} was deleted, or "
+                "is in no scene"
+            )
+        return self.target, self.bone if self.target.type == "ARMATURE" else ""
+
+    def set_rest(self) -> None:
+        """Take the present places of the handle and the mesh object for those of rest.
+
+        Raises Refusal if there is no handle, or it is flat.
+        """
+        with kept_up([self.followed, (self.id_data, "")]):
+            graph = bpy.context.evaluated_depsgraph_get()
+            handle, seen = self._handle(graph), matrix_of(self.id_data, "", graph)
+        if not np.isfinite(handle).all() or not np.linalg.cond(handle[:3, :3]) < 1 / FLAT:
+            raise Refusal(
+                f"the object {self.target.name!r} that moves {self.vertex_group!r} is flat: its "
+                "scale is zero along an axis"
+            )
+        self.rest = (np.linalg.inv(handle) @ seen).ravel()
+
+    def motion(self, graph: bpy.types.Depsgraph | None) -> np.ndarray:
+        """What the handle does to points of the mesh object since rest, (4, 4) in object space.
+
+        ``graph`` is as in scene.places.matrix_of. Raises Refusal if there is no handle, or its
+        rest could not be taken.
+        """
+        handle = self._handle(graph)
+        if not np.isfinite(handle).all():
+            raise Refusal(
+                f"the place of the object {self.target.name!r} that moves {self.vertex_group!r} is "
+                "not finite"
+            )
+        rest = np.reshape(self.rest, (4, 4)).astype(np.float64)
+        if not rest.any():
+            raise Refusal(
+                f"the object {self.target.name!r} that moves {self.vertex_group!r} was flat or "
+                "missing when it was chosen; press Set Rest"
+            )
+        try:
+            from_world = np.linalg.inv(matrix_of(self.id_data, "", graph))
+        except np.linalg.LinAlgError as error:
+            raise Refusal("its scale is zero along an axis") from error
+        return from_world @ handle @ rest
+
+    def _handle(self, graph: bpy.types.Depsgraph | None) -> np.ndarray:
+        """World matrix of what is followed."""
+        obj, bone = self.followed
+        matrix = matrix_of(obj, bone, graph)
+        if matrix is None:
+            raise Refusal(f"the bone {bone!r} that moves {self.vertex_group!r} is missing")
+        return matrix
 
 
-class SpectralTVBakedKey(bpy.types.PropertyGroup):
-    """A shape key of one frame; its name is the key's."""
+class SpectralTVBakedKey(Fingerprint, bpy.types.PropertyGroup):
+    """A shape key of one frame."""
 
 
 class DeformationProperties:
@@ -110,15 +181,22 @@ class DeformationProperties:
     )
 
 
-class SpectralTVDeformation(DeformationProperties, bpy.types.PropertyGroup):
-    """The constraints of an object, and the shape key they lead to."""
+class SpectralTVDeformation(Fingerprint, DeformationProperties, bpy.types.PropertyGroup):
+    """The constraints of an object, and the fingerprint of the shape key they lead to."""
 
     constraints: CollectionProperty(type=SpectralTVConstraint)
     active: IntProperty(name="Constraint", description="The chosen constraint")
-    key: StringProperty(name="Result", description="The shape key that holds the deformation")
-    digest: StringProperty(name="Digest", description="Of the shape key's coordinates")
+    vertex_count: IntProperty(
+        name="Vertices", description="Of the mesh when a shape key was written", options={"HIDDEN"}
+    )
+    last_uid: IntProperty(
+        name="Last Identifier", description="The last that a constraint got", options={"HIDDEN"}
+    )
     bake_step: IntProperty(
-        name="Step", description="Frames from one baked shape key to the next", default=1, min=1
+        name="Step",
+        description="Frames from one baked shape key to the next; the last frame always has one",
+        default=1,
+        min=1,
     )
     baked: CollectionProperty(type=SpectralTVBakedKey)
 
@@ -138,6 +216,26 @@ def add(obj: bpy.types.Object, vertex_group: str, kind: str = "PIN") -> Spectral
     constraint.vertex_group, constraint.kind = vertex_group, kind
     deformation.active = len(deformation.constraints) - 1
     return constraint
+
+
+def identified(obj: bpy.types.Object) -> dict[int, SpectralTVConstraint]:
+    """The constraints of ``obj`` by their identifiers; those of old files by their places."""
+    constraints = deformation_of(obj).constraints
+    return {each.uid or -1 - place: each for place, each in enumerate(constraints)}
+
+
+def sharing(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """Other objects of the same mesh that have constraints of their own."""
+    if obj.data.users < 2:
+        return []
+    others = [each for each in bpy.data.objects if each.data == obj.data and each != obj]
+    return [each for each in others if deformation_of(each).constraints and is_in_a_scene(each)]
+
+
+def followed_by(obj: bpy.types.Object) -> list[Followed]:
+    """All that moves constrained vertices of ``obj``, and itself; raises Refusal as `followed`."""
+    handles = [each for each in deformation_of(obj).constraints if each.kind == "OBJECT"]
+    return [(obj, ""), *(each.followed for each in handles)]
 
 
 def chosen(obj: bpy.types.Object) -> SpectralTVConstraint | None:

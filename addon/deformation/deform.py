@@ -1,4 +1,4 @@
-"""The deformation of an object: from its constraints to a shape key."""
+"""The deformation of an object: from its constraints to displacements."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -7,15 +7,20 @@ import bpy
 import numpy as np
 import spectral_tv
 
+from ..scene.notes import note
 from ..scene.objects import Refusal, refusal
-from ..scene.records import coordinates, digest
-from ..scene.shape_keys import add_displacements, set_displacement
+from ..scene.places import kept_up
 from ..scene.surface import Surface
-from .constraints import deformation_of
-from .handles import Handles
+from . import results, turning
+from .additions import note_additions
+from .constraints import deformation_of, followed_by, label_of, sharing
+from .grips import Grips
 
-NAME = "Deformation"
 ONE_AFTER_ANOTHER = "Live and Bake Animation need the algorithm Total Variation"
+# The part of its total variation that the paper's algorithm may waste without a word.
+WASTE = 0.03
+# Of lengths, a change that is not seen.
+SAME_METRIC = 1e-3
 
 
 @dataclass(frozen=True)
@@ -23,21 +28,22 @@ class Deformable:
     """An object's surface and what constrains it."""
 
     surface: Surface
-    handles: Handles
+    grips: Grips
 
     @classmethod
     def read(cls, obj: bpy.types.Object) -> "Deformable":
-        """Read ``obj``; raises Refusal or spectral_tv.MeshError if it cannot be deformed."""
-        return cls(Surface.read(obj), Handles.read(obj))
+        """Read ``obj``, while what it follows is kept up.
 
-    @property
-    def indices(self) -> np.ndarray:
-        """The constrained vertices of the surface's mesh, (K,)."""
-        return self.surface.place[self.handles.indices]
-
-    def targets(self, obj: bpy.types.Object) -> np.ndarray:
-        """Where they go now, in the space of the surface, (K, 3)."""
-        return self.handles.targets(obj) @ self.surface.matrix.T
+        Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
+        """
+        reason = shared_refusal(obj)
+        if reason is not None:
+            raise Refusal(reason)
+        bpy.context.evaluated_depsgraph_get()  # for the place of an object that was just moved
+        grips = Grips.read(obj)
+        note_additions(obj, grips.handles.indices)
+        _note_rest_positions(obj)
+        return cls(grips.surface, grips)
 
     def softness(self, percent: float) -> float:
         """A percentage of the object's size as a length."""
@@ -51,12 +57,45 @@ class Deformable:
         if deformation_of(obj).algorithm != "CONVEX":
             raise Refusal(ONE_AFTER_ANOTHER)
         softness = self.softness(deformation_of(obj).softness)
-        return spectral_tv.Deformer(self.surface.mesh, self.indices, self.handles.weights, softness)
+        grips = self.grips
+        return spectral_tv.Deformer(self.surface.mesh, grips.indices, grips.weights, softness)
 
     def displacement(self, result: spectral_tv.Deformation) -> np.ndarray:
         """What a result moves every vertex of the object by, in object space, (V, 3)."""
         moved = result.vertices - self.surface.mesh.vertices
         return self.surface.to_object(moved[np.newaxis])[0]
+
+    def note_turning(self, targets: list[np.ndarray], algorithm: str) -> None:
+        """Note if handles turn on the way to one of the ``targets``, and pieces do not."""
+        own = self.grips.is_own  # the other half turns the other way
+        owners, rest = self.grips.owners[own], self.grips.rest[own]
+        angle = max(turning.of_points(owners, rest, each[own]) for each in targets)
+        text = turning.told(angle, algorithm)
+        if text is not None:
+            note(text)
+
+
+def metric_of(obj: bpy.types.Object) -> np.ndarray:
+    """What lengths of ``obj`` are in the world, whichever way it is turned, (3, 3)."""
+    matrix = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
+    return matrix.T @ matrix
+
+
+def is_same_metric(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether nobody sees a difference."""
+    return np.abs(one - other).max() <= SAME_METRIC * np.abs(other).max()
+
+
+def shared_refusal(obj: bpy.types.Object) -> str | None:
+    """Why the mesh of ``obj`` cannot hold its deformation, in a sentence for the user."""
+    rivals = sharing(obj)
+    if not rivals:
+        return None
+    names = results.told([each.name for each in rivals])
+    return (
+        f"Its mesh is also that of {names}, with other constraints; give it one of its own by "
+        "Object > Relations > Make Single User > Object & Data"
+    )
 
 
 def deform_refusal(obj: bpy.types.Object | None) -> str | None:
@@ -64,7 +103,7 @@ def deform_refusal(obj: bpy.types.Object | None) -> str | None:
     reason = refusal(obj)
     if reason is None and not deformation_of(obj).constraints:
         reason = "The object has no constraints; add a pin and a handle"
-    return reason
+    return reason or shared_refusal(obj)
 
 
 def follow_refusal(obj: bpy.types.Object | None) -> str | None:
@@ -82,47 +121,48 @@ def prepare(
 
     ``softness`` is in percent. Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
     """
-    deformable = Deformable.read(obj)
+    with kept_up(followed_by(obj)):
+        deformable = Deformable.read(obj)
+        targets = deformable.grips.targets(obj)
+    deformable.note_turning([targets], algorithm)
     return deformable, {
-        "indices": deformable.indices,
-        "targets": deformable.targets(obj),
-        "weights": deformable.handles.weights,
+        "indices": deformable.grips.indices,
+        "targets": targets,
+        "weights": deformable.grips.weights,
         "softness": deformable.softness(softness) if algorithm == "CONVEX" else 0.0,
         "algorithm": algorithm.lower(),
     }
 
 
-def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
-    """The shape key that holds the last deformation, renamed or not; None if it is gone."""
-    keys, deformation = obj.data.shape_keys, deformation_of(obj)
-    if keys is None or not deformation.key:
-        return None
-    found = keys.key_blocks.get(deformation.key)
-    if found is None and deformation.digest:
-        for key in keys.key_blocks:
-            if digest(coordinates(key.data)) == deformation.digest:
-                found = key
-    return found
-
-
-def write(obj: bpy.types.Object, displacement: np.ndarray) -> bpy.types.ShapeKey:
-    """Write a displacement (V, 3) as the shape key of the deformation, at full value if new."""
-    key = result_key(obj)
-    if key is None:
-        (key,) = add_displacements(obj, [NAME], displacement[np.newaxis])
-        key.value = 1.0
-    else:
-        set_displacement(obj, key, displacement)
-    deformation = deformation_of(obj)
-    deformation.key, deformation.digest = key.name, digest(coordinates(key.data))
-    return key
+def write(obj: bpy.types.Object, displacement: np.ndarray) -> None:
+    """Write a displacement (V, 3) as the shape key of the deformation, and have it be seen."""
+    results.write(obj, displacement)
+    results.show(obj)
 
 
 def message(result: spectral_tv.Deformation, algorithm: str) -> str:
     """What a result says about itself, for the user."""
     text = "deformed"
-    if algorithm == "CONVEX":
+    if algorithm == "PAPER" and result.gap > WASTE:
+        note(
+            f"up to {result.gap:.0%} of the total variation could be spared: {label_of(algorithm)} "
+            f"ended away from the optimum, which {label_of('CONVEX')} finds"
+        )
+    elif algorithm in ("CONVEX", "PAPER"):
         text += f" to within {max(result.gap, 1e-4):.2%} of the optimum"
     if len(result.unconstrained):
         text += f"; {len(result.unconstrained)} vertices of parts without a constraint came along"
     return text
+
+
+def _note_rest_positions(obj: bpy.types.Object) -> None:
+    for constraint in deformation_of(obj).constraints:
+        rig = constraint.target if constraint.kind == "OBJECT" else None
+        if rig is None or rig.type != "ARMATURE" or not constraint.bone:
+            continue
+        if rig.data.pose_position == "REST":
+            note(f"the armature {rig.name!r} is in Rest Position: its bones do not move")
+        elif rig.mode == "EDIT":
+            note(
+                f"the armature {rig.name!r} is in Edit Mode: its bones are not where they are posed"
+            )

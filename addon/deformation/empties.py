@@ -11,8 +11,7 @@ from .handles import group_weights
 def add_empty(obj: bpy.types.Object, group: str) -> bpy.types.Object:
     """Add an empty in the middle of a vertex group, or at the object if that is empty."""
     obj.update_from_editmode()
-    index = obj.vertex_groups[group].index
-    members, _ = group_weights(obj, {index})[index]
+    members, _ = group_weights(obj, [group])[group]
     empty = bpy.data.objects.new(f"{obj.name} {group}", None)
     empty.empty_display_type = "ARROWS"
     empty.empty_display_size = max(max(obj.dimensions) / 6, 1e-3)

@@ -1,14 +1,18 @@
 """The constraints of an object as the arrays of a deformation."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
 import numpy as np
 
+from ..scene.coordinates import basis_coordinates
+from ..scene.notes import note
 from ..scene.objects import Refusal
-from ..scene.records import coordinates
-from ..scene.surface import basis_coordinates
-from .constraints import SpectralTVConstraint, deformation_of
+from ..scene.shape_keys import key_shape
+from ..scene.weights import members
+from .constraints import SpectralTVConstraint, identified
 
 # Painted weights reach 1 and 0 but for rounding.
 EXACT, NOTHING = 0.999, 1e-3
@@ -18,7 +22,8 @@ EXACT, NOTHING = 0.999, 1e-3
 class Handles:
     """Constrained vertices: ``indices`` (K,) in the object, ``weights`` (K,) in (0, 1].
 
-    ``owners`` (K,) tells whose constraint each is, ``positions`` (K, 3) where it is in Basis.
+    ``owners`` (K,) are the identifiers of their constraints, ``positions`` (K, 3) where they are
+    in Basis.
     """
 
     indices: np.ndarray
@@ -32,16 +37,22 @@ class Handles:
 
         Raises Refusal if there are none, or a group is missing or empty.
         """
-        constraints = deformation_of(obj).constraints
+        constraints = identified(obj)
         if not constraints:
             raise Refusal("it has no constraints; pin a vertex group and add a handle")
-        groups = [_group_index(obj, constraint) for constraint in constraints]
-        weights = group_weights(obj, set(groups))
+        for constraint in constraints.values():
+            _check_group(obj, constraint)
+        weights = group_weights(obj, {each.vertex_group for each in constraints.values()})
         indices, owners, values = [], [], []
-        for owner, (constraint, group) in enumerate(zip(constraints, groups, strict=True)):
-            found, weight = weights[group]
+        for owner, constraint in constraints.items():
+            found, weight = weights[constraint.vertex_group]
             if not len(found):
                 raise Refusal(f"the vertex group {constraint.vertex_group!r} is empty")
+            if constraint.kind == "PIN" and weight.max() < 1:
+                note(
+                    f"no vertex of the pin {constraint.vertex_group!r} has the weight 1, it gives "
+                    f"way: the largest is {weight.max():.2g}"
+                )
             indices.append(found)
             values.append(weight)
             owners.append(np.full(len(found), owner))
@@ -49,77 +60,53 @@ class Handles:
         basis = basis_coordinates(obj.data)
         return cls(every, np.concatenate(values), np.concatenate(owners), basis[every])
 
+    @cached_property
+    def _read(self) -> set[int]:
+        """Identifiers of the constraints that were read."""
+        return set(np.unique(self.owners).tolist())
+
     def targets(self, obj: bpy.types.Object) -> np.ndarray:
         """Where the constraints of ``obj`` take the vertices now, in object space, (K, 3).
 
-        Raises Refusal if what they follow is missing, or two send a vertex to different places.
+        Raises Refusal if what they follow is missing, or a constraint was added or removed since
+        they were read.
         """
-        constraints = deformation_of(obj).constraints
+        constraints = identified(obj)
+        if set(constraints) != self._read:
+            raise Refusal("its constraints changed")
+        graph = bpy.context.evaluated_depsgraph_get()
         targets = self.positions.copy()
-        for owner, constraint in enumerate(constraints):
+        for owner, constraint in constraints.items():
             mine = self.owners == owner
             if constraint.kind == "OBJECT":
-                motion = np.array(constraint.motion(), dtype=np.float64)
+                motion = constraint.motion(graph)
                 targets[mine] = self.positions[mine] @ motion[:3, :3].T + motion[:3, 3]
             elif constraint.kind == "KEY":
                 targets[mine] = _key_positions(obj, constraint)[self.indices[mine]]
-        self._check_overlaps(targets, constraints)
         return targets
-
-    def _check_overlaps(self, targets: np.ndarray, constraints) -> None:
-        exact = np.flatnonzero(self.weights == 1)
-        vertices, first, inverse = np.unique(
-            self.indices[exact], return_index=True, return_inverse=True
-        )
-        if len(vertices) == len(exact):
-            return
-        other = exact[first][inverse.ravel()]
-        scale = np.ptp(self.positions, axis=0).max()
-        apart = np.abs(targets[exact] - targets[other]).max(axis=1) > 1e-6 * scale
-        if apart.any():
-            entry = int(np.argmax(apart))
-            one, two = (
-                constraints[self.owners[index]].vertex_group
-                for index in (other[entry], exact[entry])
-            )
-            raise Refusal(
-                f"{np.count_nonzero(apart)} vertices, such as {self.indices[exact[entry]]}, are in "
-                f"both {one!r} and {two!r}, which go to different places"
-            )
 
 
 def group_weights(
-    obj: bpy.types.Object, groups: set[int]
-) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """Vertices and weights of vertex groups, by the groups' indices."""
-    found: dict[int, tuple[list[int], list[float]]] = {group: ([], []) for group in groups}
-    for vertex in obj.data.vertices:
-        for membership in vertex.groups:
-            if membership.group in found and membership.weight > NOTHING:
-                vertices, weights = found[membership.group]
-                vertices.append(vertex.index)
-                weights.append(membership.weight)
-    return {
-        group: (np.array(vertices, dtype=np.int64), _rounded(np.array(weights)))
-        for group, (vertices, weights) in found.items()
-    }
+    obj: bpy.types.Object, groups: Collection[str]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Vertices of vertex groups and their weights in (0, 1], by the groups' names."""
+    found = {}
+    for name, (vertices, weights) in members(obj, groups).items():
+        is_in = weights > NOTHING
+        rounded = np.where(weights >= EXACT, 1.0, weights.astype(np.float64))
+        found[name] = vertices[is_in].astype(np.int64), rounded[is_in]
+    return found
 
 
-def _rounded(weights: np.ndarray) -> np.ndarray:
-    return np.where(weights >= EXACT, 1.0, weights)
-
-
-def _group_index(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> int:
+def _check_group(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> None:
     if not constraint.vertex_group:
         raise Refusal("a constraint has no vertex group")
-    index = obj.vertex_groups.find(constraint.vertex_group)
-    if index < 0:
+    if constraint.vertex_group not in obj.vertex_groups:
         raise Refusal(f"there is no vertex group {constraint.vertex_group!r}")
-    return index
 
 
 def _key_positions(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> np.ndarray:
     keys = obj.data.shape_keys
     if keys is None or constraint.shape_key not in keys.key_blocks:
         raise Refusal(f"there is no shape key {constraint.shape_key!r} to move to")
-    return coordinates(keys.key_blocks[constraint.shape_key].data).reshape(-1, 3).astype(float)
+    return key_shape(keys.key_blocks[constraint.shape_key])

@@ -1,47 +1,129 @@
 """A deformation that follows its handles while they are dragged."""
 
+import time
+
 import bpy
 import numpy as np
 import spectral_tv
 
-from ..scene.objects import Refusal, refusal
-from .deform import Deformable, write
+from ..scene.coordinates import coordinates
+from ..scene.modifiers import symmetries
+from ..scene.objects import Refusal
+from ..scene.places import is_kept_up
+from ..scene.records import digest
+from ..scene.surface import Reading
+from . import results
+from .constraints import deformation_of, followed_by, identified
+from .deform import Deformable, follow_refusal, is_same_metric, metric_of
+from .handles import group_weights
 
 # A coarse answer this far from the optimum is drawn once more before the exact one is worked out,
 # as that takes longer.
 COARSE = 0.05
 MOST_COARSE = 20
+# Seconds between two looks at weights and vertices, and the least in terms of what a look takes.
+LOOK = 0.25
+LOOK_SHARE = 20
 
 
 class LiveDeformation:
     """Keeps the shape key of one object up to date; `update` is called again and again."""
 
+    # Why it waits for the user, in a sentence; empty while it follows.
+    problem = ""
+
     def __init__(self, obj: bpy.types.Object) -> None:
         """Read ``obj``; raises Refusal or spectral_tv.MeshError if it cannot be deformed."""
         self._name = obj.name
         self._counts = _counts(obj)
-        self._deformable = Deformable.read(obj)
-        self._deformer = self._deformable.deformer(obj)
-        self._targets: np.ndarray | None = None
         self._job: spectral_tv.Job | None = None
-        self._coarse = 0
-        self.is_settled = False
+        self._is_shown = False
+        self._read(obj)
 
     def update(self) -> bool:
         """Follow the handles, or refine if they rest; tells whether the shape changed.
 
-        Raises Refusal or spectral_tv.MeshError if the object can no longer be deformed.
+        What the user changes is read anew. Where that, or a handle, cannot be used, `problem` tells
+        why, and the shape stays until it can. Raises Refusal or spectral_tv.MeshError if the object
+        can no longer be deformed.
         """
         obj = bpy.data.objects.get(self._name)
-        reason = "it was removed or renamed" if obj is None else refusal(obj)
+        reason = "it was removed or renamed" if obj is None else follow_refusal(obj)
         if reason is not None:
             raise Refusal(reason)
         if _counts(obj) != self._counts:
             raise Refusal("its vertices or faces changed")
-        targets = self._deformable.targets(obj)
-        if self._targets is None or not np.array_equal(targets, self._targets):
-            self._targets, self._coarse = targets, 0
+        try:
+            if self._is_outdated(obj):
+                self._read(obj)
+            targets = self._current(obj)
+        except (Refusal, spectral_tv.MeshError) as error:
             self.stop()
+            self.problem, self._targets = str(error), None
+            return False
+        self.problem = ""
+        return self._follow(obj, targets)
+
+    def settle(self) -> None:
+        """Work the exact answer out and wait for it; raises Refusal if something is wrong."""
+        while not self.is_settled:
+            self.update()
+            if self.problem:
+                raise Refusal(self.problem)
+
+    def stop(self) -> None:
+        """Stop what runs in the background."""
+        if self._job is not None:
+            self._job.cancel()
+        self._job, self.is_settled = None, False
+
+    def _read(self, obj: bpy.types.Object) -> None:
+        """Read all of the object anew; what was read stays unknown if it cannot be used."""
+        self.stop()
+        self._targets: np.ndarray | None = None
+        self._coarse = 0
+        self._choices, self._metric, self._state = _choices(obj), metric_of(obj), self._look(obj)
+        self._deformable: Deformable | None = None
+        self._check_kept_up(obj)
+        deformable = Deformable.read(obj)
+        deformable.grips.targets(obj)
+        self._deformer = deformable.deformer(obj)
+        self._deformable = deformable
+
+    def _is_outdated(self, obj: bpy.types.Object) -> bool:
+        """Whether what was read is no longer so; looks at weights and vertices now and then."""
+        if _choices(obj) != self._choices or not is_same_metric(metric_of(obj), self._metric):
+            return True
+        if time.monotonic() < self._next_look:
+            return False
+        return self._look(obj) != self._state or self._deformable is None
+
+    def _look(self, obj: bpy.types.Object) -> str:
+        started = time.monotonic()
+        state = _state(obj)
+        ended = time.monotonic()
+        self._next_look = ended + max(LOOK, LOOK_SHARE * (ended - started))
+        return state
+
+    def _current(self, obj: bpy.types.Object) -> np.ndarray:
+        if self._deformable is None:
+            raise Refusal(self.problem)
+        self._check_kept_up(obj)
+        return self._deformable.grips.targets(obj)
+
+    @staticmethod
+    def _check_kept_up(obj: bpy.types.Object) -> None:
+        hidden = [each.name for each, _ in followed_by(obj) if not is_kept_up(each)]
+        if hidden:
+            raise Refusal(
+                f"Blender does not move what is hidden, {results.told(hidden)}; show it, or use "
+                "Deform or Bake Animation"
+            )
+
+    def _follow(self, obj: bpy.types.Object, targets: np.ndarray) -> bool:
+        if self._targets is None or not np.array_equal(targets, self._targets):
+            self.stop()
+            self._targets, self._coarse = targets, 0
             return self._drag(obj)
         if self.is_settled:
             return False
@@ -51,28 +133,58 @@ class LiveDeformation:
             self._job = self._deformer.start_solve(targets)
         if not self._job.done:
             return False
-        write(obj, self._deformable.displacement(self._job.result()))
+        self._write(obj, self._job.result())
         self._job, self.is_settled = None, True
         return True
 
-    def settle(self) -> None:
-        """Work the exact answer out and wait for it."""
-        while not self.is_settled:
-            self.update()
-
-    def stop(self) -> None:
-        """Stop what runs in the background."""
-        if self._job is not None:
-            self._job.cancel()
-        self._job, self.is_settled = None, False
-
     def _drag(self, obj: bpy.types.Object) -> bool:
         result = self._deformer.drag(self._targets)
-        write(obj, self._deformable.displacement(result))
+        self._write(obj, result)
         is_coarse = result.gap > COARSE and self._coarse < MOST_COARSE
         self._coarse = self._coarse + 1 if is_coarse else 0
         return True
 
+    def _write(self, obj: bpy.types.Object, result: spectral_tv.Deformation) -> None:
+        results.write(obj, self._deformable.displacement(result))
+        if not self._is_shown:  # once: the user may mute it to compare
+            results.show(obj)
+            self._is_shown = True
+
 
 def _counts(obj: bpy.types.Object) -> tuple[int, int]:
     return len(obj.data.vertices), len(obj.data.loops)
+
+
+def _choices(obj: bpy.types.Object) -> tuple:
+    """What the user chose of ``obj``, apart from what is read for every shape anyway."""
+    deformation = deformation_of(obj)
+    return (
+        obj.data.session_uid,
+        deformation.softness,
+        deformation.algorithm,
+        Reading.of_scene(),
+        *((uid, each.vertex_group) for uid, each in identified(obj).items()),
+    )
+
+
+def _state(obj: bpy.types.Object) -> str:
+    """Digest of the vertices of ``obj``, of the weights of its groups, and of its mirrors."""
+    keys = obj.data.shape_keys
+    shape = coordinates(obj.data.vertices if keys is None else keys.reference_key.data)
+    groups = {each.vertex_group for each in identified(obj).values()} & {*obj.vertex_groups.keys()}
+    weights = group_weights(obj, groups)
+    parts = [part for group in sorted(weights) for part in weights[group]]
+    return _mirrors(obj) + digest(shape, *parts)
+
+
+def _mirrors(obj: bpy.types.Object) -> str:
+    """What the Mirror modifiers of ``obj`` are set to, and where their objects are against it."""
+    found = []
+    for each in symmetries(obj):
+        away = None
+        if each.mirror_object is not None:
+            away = each.mirror_object.matrix_world.inverted_safe() @ obj.matrix_world
+            away = np.round(np.array(away), 4).tolist()
+        merged = each.merge_threshold if each.use_mirror_merge else 0.0
+        found.append((each.name, tuple(each.use_axis), merged, away))
+    return repr(found)

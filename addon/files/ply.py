@@ -1,10 +1,13 @@
-"""The header of a PLY file, and how long what follows it is."""
+"""The header of a PLY file, the coordinates of its vertices, and how long what follows it is."""
 
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 # NumPy's names of the types, under both of their names.
 TYPES = {
@@ -15,6 +18,7 @@ TYPES = {
 }  # fmt: skip
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 LONGEST_LINE = 4096
+AXES = ("x", "y", "z")
 
 
 class NoHeader(ValueError):
@@ -44,6 +48,11 @@ class Element:
             return None
         return np.dtype([(item.name, order + item.type) for item in self.properties])
 
+    def columns(self, names: Sequence[str]) -> list[int]:
+        """Which numbers of an item these are; raises ValueError if one is not there."""
+        own = [item.name for item in self.properties]
+        return [own.index(name) for name in names]
+
 
 @dataclass(frozen=True)
 class Header:
@@ -51,6 +60,7 @@ class Header:
 
     format: str
     elements: tuple[Element, ...]
+    comments: tuple[bytes, ...]
     start: int
 
     @property
@@ -61,6 +71,13 @@ class Header:
     def element(self, name: str) -> Element | None:
         """The element of that name."""
         return next((element for element in self.elements if element.name == name), None)
+
+    @property
+    def is_double(self) -> bool:
+        """Whether the coordinates of vertices have double precision."""
+        vertex = self.element("vertex")
+        kinds = {item.name: item.type for item in vertex.properties} if vertex else {}
+        return any(kinds.get(axis) == "f8" for axis in AXES)
 
 
 def read_header(path: Path) -> Header:
@@ -77,6 +94,7 @@ def _header(file: BinaryIO) -> Header:
         raise NoHeader
     form = ""
     elements: list[tuple[str, int, list[Property]]] = []
+    comments: list[bytes] = []
     while line := file.readline(LONGEST_LINE):
         match line.decode("ascii", "replace").split():
             case ["format", name, _]:
@@ -87,11 +105,13 @@ def _header(file: BinaryIO) -> Header:
                 elements[-1][2].append(Property(name, TYPES[kind], TYPES[count]))
             case ["property", kind, name]:
                 elements[-1][2].append(Property(name, TYPES[kind]))
+            case ["comment" | "obj_info", *_]:
+                comments.append(line.strip())
             case ["end_header"]:
                 found = (Element(name, count, tuple(items)) for name, count, items in elements)
                 ORDERS[form]
-                return Header(form, tuple(found), file.tell())
-            case ["comment" | "obj_info", *_] | []:
+                return Header(form, tuple(found), tuple(comments), file.tell())
+            case []:
                 pass
             case _:
                 raise NoHeader
@@ -104,18 +124,114 @@ def skip(file: BinaryIO, element: Element, order: str) -> bool:
     if row is not None:
         file.seek(element.count * row.itemsize, 1)
         return True
-    size = file.seek(0, 1)
+    place = file.tell()
     data = np.memmap(file, np.uint8, "r") if element.count else np.empty(0, np.uint8)
     for _ in range(element.count):
         for item in element.properties:
             width = np.dtype(item.type).itemsize
             if item.count is None:
-                size += width
+                place += width
                 continue
             count = np.dtype(order + item.count)
-            if size + count.itemsize > len(data):
+            if place + count.itemsize > len(data):
                 return False
-            length = int(data[size : size + count.itemsize].view(count)[0])
-            size += count.itemsize + length * width
-    file.seek(size)
+            length = int(data[place : place + count.itemsize].view(count)[0])
+            place += count.itemsize + length * width
+    file.seek(place)
+    return True
+
+
+@dataclass(frozen=True)
+class Vertices:
+    """Where the vertices of a file are in it, and how they are stored."""
+
+    header: Header
+    element: Element
+    begin: int
+    end: int
+
+    def read(self, path: Path) -> NDArray[np.float64]:
+        """The coordinates, (V, 3)."""
+        columns = self.element.columns(AXES)
+        if not self.header.order:
+            with path.open("rb") as file:
+                file.seek(self.begin)
+                lines = [file.readline() for _ in range(self.element.count)]
+            return np.loadtxt(lines, usecols=columns, ndmin=2).reshape(-1, 3)
+        rows = np.fromfile(path, self._row, self.element.count, offset=self.begin)
+        return np.column_stack([rows[axis].astype(np.float64) for axis in AXES])
+
+    @property
+    def _row(self) -> np.dtype[Any]:
+        row = self.element.row(self.header.order)
+        assert row is not None
+        return row
+
+    def move(
+        self, path: Path, target: Path, offset: NDArray[np.float64], decimals: int | None = None
+    ) -> None:
+        """Write the file anew, the coordinates in double precision and ``offset`` added to them.
+
+        In text they are rounded to so many decimals.
+        """
+        data = path.read_bytes()
+        rows = data[self.begin : self.end]
+        head = data[: self.header.start]
+        for axis in AXES:
+            single = rb"(property\s+)(?:float|float32)(\s+%b\s)" % axis.encode()
+            head = re.sub(single, rb"\1double\2", head, count=1)
+        if self.header.order:
+            old = np.frombuffer(rows, self._row)
+            order = self.header.order
+            kinds = [
+                (item.name, order + ("f8" if item.name in AXES else item.type))
+                for item in self.element.properties
+            ]
+            new = old.astype(np.dtype(kinds))
+            for axis, add in zip(AXES, offset, strict=True):
+                new[axis] += add
+            rows = new.tobytes()
+        else:
+            columns = self.element.columns(AXES)
+            rows = b"".join(
+                moved(line, columns, offset, decimals) for line in rows.splitlines(keepends=True)
+            )
+        with target.open("wb") as file:
+            file.writelines((head, data[self.header.start : self.begin], rows, data[self.end :]))
+
+
+def moved(
+    line: bytes, columns: Iterable[int], offset: NDArray[np.float64], decimals: int | None
+) -> bytes:
+    """A line of text with ``offset`` added to three of its words, and rounded."""
+    words = line.split()
+    for column, add in zip(columns, offset, strict=True):
+        number = float(words[column]) + float(add)
+        words[column] = repr(number if decimals is None else round(number, decimals)).encode()
+    return b" ".join(words) + b"\n"
+
+
+def find_vertices(path: Path, header: Header) -> Vertices | None:
+    """Where the vertices are; None if they have no three coordinates, or lists."""
+    with path.open("rb") as file:
+        file.seek(header.start)
+        for element in header.elements:
+            begin = file.tell()
+            if element.name == "vertex":
+                if element.row("<") is None or not set(AXES) <= {
+                    p.name for p in element.properties
+                }:
+                    return None
+                _pass(file, element, header)
+                return Vertices(header, element, begin, file.tell())
+            if not _pass(file, element, header):
+                return None
+    return None
+
+
+def _pass(file: BinaryIO, element: Element, header: Header) -> bool:
+    if header.order:
+        return skip(file, element, header.order)
+    for _ in range(element.count):
+        file.readline()
     return True

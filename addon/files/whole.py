@@ -64,6 +64,8 @@ def written(
             else:
                 os.replace(temporary, place)
             _sync(place.parent)
+        except Torn as error:
+            raise NotWritten(target, _cut_short(error, place.parent)) from error
         finally:
             _remove(place.parent, token)
     except BaseException as error:
@@ -123,17 +125,33 @@ def _reason(error: OSError | ValueError) -> str:
 
 
 def _make_sure(target: Path, temporary: Path, check: Callable[[Path], None]) -> None:
-    """Bring the file to the disk; raises NotWritten if it is not whole."""
+    """Bring the file to the disk; raises NotWritten if there is none, Torn if it is not whole."""
     if not temporary.is_file():
         raise NotWritten(target, "nothing was written")
-    try:
-        check(temporary)
-    except Torn as error:
-        reason = f"it was cut short ({error})"
-        if shutil.disk_usage(temporary.parent).free < FULL:
-            reason += ", as its disk is full"
-        raise NotWritten(target, reason) from error
+    check(temporary)
+    if _is_full(temporary.parent) and _has_hole(temporary):
+        raise Torn("it has holes")
     _sync(temporary, os.O_RDWR)
+
+
+def _is_full(folder: Path) -> bool:
+    return shutil.disk_usage(folder).free < FULL
+
+
+def _has_hole(path: Path) -> bool:
+    """Whether a part of a file was never written, where the system can tell."""
+    if not hasattr(os, "SEEK_HOLE"):
+        return False
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        try:
+            return size > 0 and os.lseek(file.fileno(), 0, os.SEEK_HOLE) < size
+        except OSError:
+            return False
+
+
+def _cut_short(error: Torn, folder: Path) -> str:
+    return f"it was cut short ({error})" + (", as its disk is full" if _is_full(folder) else "")
 
 
 def _sync(path: Path, flags: int = os.O_RDONLY) -> None:
@@ -170,7 +188,7 @@ def _put_all(folder: Path, place: Path) -> None:
     aside = folder.with_name(folder.name + "_former")
     aside.mkdir()
     put: list[tuple[Path, Path, Path]] = []
-    with _alone(place.parent):
+    with alone(place.parent):
         try:
             for number, path in enumerate(others):
                 goal = place.parent / path.relative_to(folder)
@@ -207,12 +225,12 @@ def _make_room(goal: Path, path: Path, place: Path) -> None:
 
 
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Wait until no other process puts files into the folder, where the system can tell."""
+def alone(path: Path) -> Iterator[None]:
+    """Wait until no other process is within this for the path, where the system can tell."""
     if fcntl is None:
         yield
         return
-    descriptor = os.open(folder, os.O_RDONLY)
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         with suppress(OSError):  # some file systems know no locks
             fcntl.flock(descriptor, fcntl.LOCK_EX)

@@ -19,8 +19,10 @@ def ensure() -> bpy.types.Node:
     node = find()
     if node is not None:
         return node
-    group = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
-    group.use_fake_user = True
+    group = bpy.data.node_groups.get(GROUP)  # the node may have been deleted
+    if group is None:
+        group = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
+        group.use_fake_user = True
     node = group.nodes.new("ShaderNodeFloatCurve")
     node.name = NODE
     mapping = node.mapping

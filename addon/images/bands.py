@@ -1,17 +1,15 @@
-"""From an image to its flow, and from the flow to what is written."""
+"""From a picture to its flow, and from the flow to its bands and what is made of them."""
 
 from dataclasses import dataclass
-from typing import Any
 
-import bpy
 import numpy as np
 import spectral_tv
 
 from ..filters.filtering import filter_values
+from ..scene.notes import note
 from ..scene.objects import Refusal
-from . import pixels
-
-BAND, REST, FILTERED = "Band", "Rest", "Filtered"
+from .flows import Request, Still, contrast_of
+from .pixels import Pixels
 
 
 @dataclass(frozen=True)
@@ -37,16 +35,20 @@ class Choice:
 
 @dataclass(frozen=True)
 class Prepared:
-    """The pixels of an image, and the arguments of spectral_tv.decompose_image."""
+    """A picture, and what of it is to flow."""
 
-    pixels: pixels.Pixels
-    arguments: dict[str, Any]
+    pixels: Pixels
+    request: Request
+
+    def bands(self, flow: spectral_tv.Flow | Still, choice: Choice) -> np.ndarray:
+        """What each band changes in the colours, (K, H, W, C)."""
+        return self.request.bands(flow, choice.bands)
 
 
-def prepare(image: bpy.types.Image, choice: Choice) -> Prepared:
-    """Read what is to be flowed.
+def prepare(pixels: Pixels, choice: Choice) -> Prepared:
+    """Find what is to flow.
 
-    Raises Refusal or spectral_tv.MeshError if the image and the choice do not go together.
+    Raises Refusal or spectral_tv.MeshError if the picture and the choice do not go together.
     """
     if choice.bands >= choice.steps:
         raise Refusal(f"{choice.bands} bands need more than {choice.steps} steps")
@@ -54,50 +56,56 @@ def prepare(image: bpy.types.Image, choice: Choice) -> Prepared:
         raise Refusal("the finest size is not below the largest")
     if choice.result == "FILTER":
         filter_values(choice)  # refused now rather than after the work
-    found = pixels.read(image)
-    values = found.luminance if choice.channels == "LUMINANCE" else found.values
-    contrast = float(np.linalg.norm(np.ptp(values, axis=(0, 1))))
-    if contrast == 0:
-        raise Refusal("all of its pixels are the same; there is nothing to flow")
+    pixels.require_finite()
+    values = pixels.luminance if choice.channels == "LUMINANCE" else pixels.colors
+    contrast = contrast_of(values, pixels.visible) or 1.0
     # In the plane a disc of the radius r that stands out by h is gone at h r/2.
     ends = [contrast * size / 4 for size in (choice.finest, choice.largest)]
-    return Prepared(
-        found,
-        {
-            "image": values,
-            "metric": choice.metric.lower(),
-            "times": spectral_tv.graded_times(*ends, choice.steps),
-            "height": choice.height,
-            "scheme": "exact" if choice.exact else "extrapolated",
-        },
+    request = Request(
+        values=values,
+        visible=pixels.visible,
+        times=spectral_tv.graded_times(*ends, choice.steps),
+        metric=choice.metric.lower(),
+        height=choice.height,
+        scheme="exact" if choice.exact else "extrapolated",
     )
+    _tell(request)
+    return Prepared(pixels, request)
 
 
-def write(
-    image: bpy.types.Image, prepared: Prepared, choice: Choice, flow: spectral_tv.Flow
-) -> tuple[list[str], int]:
-    """Write what was chosen as new images; returns their names, and how many pixels were cut off.
+def _tell(request: Request) -> None:
+    """Note what of a picture cannot be filtered as one would expect."""
+    if not request.visible.any():
+        note("all of it is transparent: there is nothing to filter")
+    elif request.contrast == 0:
+        which = "its pixels" if request.visible.all() else "its pixels that can be seen"
+        note(f"all of {which} are the same: there is nothing to filter")
+    elif request.is_still:
+        note("no four pixels that can be seen make a square: there is nothing to filter")
+    elif request.metric == "surface" and request.values.shape[2] > 1 and not request.visible.all():
+        note("as parts are transparent, the relief is of what its colors differ in most")
 
-    Bands add up to the image with the rest. Of luminance they are grey, and the rest has the
-    colours.
+
+def filtered(prepared: Prepared, choice: Choice, flow: spectral_tv.Flow | Still) -> Pixels:
+    """The picture with its bands kept, removed or amplified."""
+    bands = prepared.bands(flow, choice)
+    return prepared.pixels.changed(np.tensordot(filter_values(choice), bands, axes=1))
+
+
+def filtered_bands(
+    prepared: Prepared, choice: Choice, flow: spectral_tv.Flow | Still
+) -> np.ndarray:
+    """What is left of the bands alone, without the rest, as it is in what is stored (H, W, C)."""
+    gains = 1 + np.array(filter_values(choice))
+    return prepared.pixels.stored_change(np.tensordot(gains, prepared.bands(flow, choice), axes=1))
+
+
+def parts(
+    prepared: Prepared, choice: Choice, flow: spectral_tv.Flow | Still
+) -> tuple[np.ndarray, np.ndarray]:
+    """The bands (K, H, W, C) and the rest (H, W, 3), which add up to what is stored.
+
+    Of luminance the bands are grey, and the rest has the colours.
     """
-    values = prepared.pixels.values
-    bands = flow.bands(flow.band_edges(choice.bands))
-    cut = 0
-    if choice.result == "BANDS":
-        for number, band in enumerate(bands, start=1):
-            pixels.write(image, f"{BAND} {number}", band, is_signed=True)
-        pixels.write(image, REST, values - bands.sum(axis=0), is_signed=True)
-        labels = {REST, *(f"{BAND} {number}" for number in range(1, len(bands) + 1))}
-    else:
-        filtered = values + np.tensordot(filter_values(choice), bands, axes=1)
-        if not choice.keep_rest:
-            filtered = filtered - (values - bands.sum(axis=0))
-        cut = pixels.write(image, FILTERED, filtered, is_signed=not choice.keep_rest)
-        labels = {FILTERED}
-    for former in pixels.results_of(image):  # bands of an earlier run
-        label = former.spectral_tv.label
-        if choice.result == "BANDS" and label.startswith(BAND) and label not in labels:
-            bpy.data.images.remove(former)
-    written = [i for i in pixels.results_of(image) if i.spectral_tv.label in labels]
-    return [each.name for each in written], cut
+    bands = np.stack([prepared.pixels.stored_change(each) for each in prepared.bands(flow, choice)])
+    return bands, prepared.pixels.stored[..., :3] - bands.sum(axis=0)

@@ -1,124 +1,110 @@
-"""Reading the pixels of Blender's images, and writing new images beside them.
+"""The values of a picture that are worked on, and what becomes of them.
 
-Values are those that Blender stores: as they are in the file for 8-bit images, which mostly are
-encoded for displays (sRGB), and scene-linear for float images. No color space is converted.
+They are as they are in a file: encoded for displays where the picture is, and proportional to light
+where that is scene-linear. Colours are those that alpha shows: where they are stored multiplied by
+alpha they are divided by it. What changes is added to what was stored; so what does not change
+stays as it is, to the last bit.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
-import bpy
 import numpy as np
 
 from ..scene.objects import Refusal
-from ..scene.records import digest
 
 # Of red, green and blue in luminance (ITU-R BT.709).
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+# From this opacity on, a colour is what a surface has rather than what it emits.
+MOSTLY = 0.5
+# What rounding may make of a colour, relative to it.
+ROUNDING = 1e-3
 
 
 @dataclass(frozen=True)
 class Pixels:
-    """An image from the bottom up: ``values`` (H, W, C), C being 1 for grey; ``alpha`` (H, W)."""
+    """A picture from the bottom up: ``stored`` (H, W, 4) float32, red, green, blue and alpha."""
 
-    values: np.ndarray
-    alpha: np.ndarray | None
+    stored: np.ndarray
+    # As Blender names it.
+    space: str
+    # Whether alpha is how opaque a pixel is, rather than nothing or a channel like the others.
+    has_alpha: bool
+    # Whether colours are stored multiplied by alpha.
+    is_associated: bool
+
+    @cached_property
+    def visible(self) -> np.ndarray:
+        """The pixels whose colours mean something, (H, W).
+
+        That is not so where alpha is 0. Nor where light is added without covering what is behind,
+        as by fire: there a colour multiplied by alpha exceeds by far what alpha shows elsewhere.
+        """
+        alpha = self.stored[..., 3]
+        if not self.has_alpha:
+            return np.ones(alpha.shape, dtype=bool)
+        visible = alpha > 0
+        solid = alpha >= MOSTLY
+        if self.is_associated and solid.any():
+            brightest = (self.stored[solid, :3] / alpha[solid, None]).max(axis=0)
+            limit = np.maximum(brightest, 1) * (1 + ROUNDING) * alpha[..., None]
+            visible &= (self.stored[..., :3] <= limit).all(axis=2)
+        return visible
+
+    @cached_property
+    def colors(self) -> np.ndarray:
+        """Not multiplied by alpha, (H, W, C) float64; C is 1 if all channels are alike.
+
+        As they are stored where they mean nothing.
+        """
+        colors = self.stored[..., :3].astype(np.float64)
+        if self.is_associated and self.has_alpha:
+            colors[self.visible] /= self.stored[self.visible, 3:]
+        if (self.stored[..., :3] == self.stored[..., :1]).all():
+            return colors[..., :1]
+        return colors
 
     @property
     def luminance(self) -> np.ndarray:
-        """Of colours, (H, W, 1); else the values."""
-        if self.values.shape[2] != len(LUMINANCE):
-            return self.values
-        return (self.values @ LUMINANCE)[..., np.newaxis]
+        """Of colours, (H, W, 1)."""
+        if self.colors.shape[2] != len(LUMINANCE):
+            return self.colors
+        return (self.colors @ LUMINANCE)[..., np.newaxis]
 
+    def require_finite(self) -> None:
+        """Raise Refusal if a value that means something is not finite."""
+        wanted = slice(None) if self.has_alpha else slice(3)
+        broken = ~np.isfinite(self.stored[..., wanted]).all(axis=2)
+        if self.has_alpha:
+            broken &= self.stored[..., 3] != 0
+        places = np.argwhere(broken)
+        if len(places):
+            row, column = places[0]
+            others = f", nor are {len(places) - 1} others" if len(places) > 1 else ""
+            raise Refusal(
+                f"the pixel at {column}, {row} from the lower left is not a finite number{others}"
+            )
 
-def refusal(image: bpy.types.Image | None) -> str | None:
-    """Why an image cannot be worked on, in a sentence for the user; None if it can."""
-    if image is None:
-        return "There is no image; open one in the Image Editor"
-    if image.source not in ("FILE", "GENERATED"):
-        return f"{image.name} is no single still image"
-    if image.size[0] < 2 or image.size[1] < 2:
-        return f"{image.name} has no pixels that can be read"
-    return None
+    def stored_change(self, change: np.ndarray) -> np.ndarray:
+        """What a change of the colours (H, W, C) is in what is stored."""
+        if self.is_associated and self.has_alpha:
+            return change * self.stored[..., 3:]
+        return change
 
+    def changed(self, change: np.ndarray) -> "Pixels":
+        """The same with its colours changed by (H, W, C)."""
+        stored = self.stored.copy()
+        stored[..., :3] += self.stored_change(change)
+        return replace(self, stored=stored)
 
-def read(image: bpy.types.Image) -> Pixels:
-    """Read an image; colours whose channels are all alike are read as grey.
+    def associated(self, is_associated: bool) -> "Pixels":
+        """The same with its colours multiplied by alpha, or not.
 
-    Raises Refusal if a value is not finite.
-    """
-    stored = _stored(image)
-    broken = np.argwhere(~np.isfinite(stored))
-    if len(broken):
-        row, column, _ = broken[0]
-        raise Refusal(f"the pixel at {column}, {row} from the lower left is not a finite number")
-    values, alpha = stored, None
-    if image.channels == 4:
-        values, alpha = stored[..., :3], stored[..., 3]
-    if (values == values[..., :1]).all():
-        values = values[..., :1]
-    return Pixels(values.astype(np.float64), alpha)
-
-
-def state_of(image: bpy.types.Image) -> str:
-    """Digest of all of an image that a result depends on."""
-    return digest(np.array(image.size), _stored(image))
-
-
-def write(source: bpy.types.Image, label: str, values: np.ndarray, is_signed: bool) -> int:
-    """Write (H, W, C) beside its source, over what was written with this label before.
-
-    Images with ``is_signed`` are floats that are not colours; others are stored as the source is.
-    Returns how many pixels were cut off at black and white.
-    """
-    pixels = read(source)
-    is_float = source.is_float or is_signed
-    image = _target(source, label, is_float)
-    if is_float:  # as they are held in memory, whatever the source was read from
-        image.colorspace_settings.is_data = is_signed or source.colorspace_settings.is_data
-        image.alpha_mode = "PREMUL"
-    else:
-        image.colorspace_settings.name = source.colorspace_settings.name
-        image.alpha_mode = source.alpha_mode
-    stored = np.ones((*values.shape[:2], 4), dtype=np.float32)
-    stored[..., :3] = values  # grey in all of them
-    if pixels.alpha is not None and not is_signed:
-        stored[..., 3] = pixels.alpha
-    cut = 0
-    if not is_float:
-        cut = int((np.abs(stored - stored.clip(0, 1)) > 1 / 255).any(axis=2).sum())
-        stored = stored.clip(0, 1)
-    image.pixels.foreach_set(stored.ravel())
-    image.update()
-    image.pack()
-    return cut
-
-
-def results_of(source: bpy.types.Image) -> list[bpy.types.Image]:
-    """The images that were written of another."""
-    return [image for image in bpy.data.images if image.spectral_tv.source == source]
-
-
-def _target(source: bpy.types.Image, label: str, is_float: bool) -> bpy.types.Image:
-    """The image to write into; one of another size or depth takes the place of the former."""
-    former = next((i for i in results_of(source) if i.spectral_tv.label == label), None)
-    wanted = (*source.size, is_float)
-    if former is not None and (*former.size, former.is_float) == wanted:
-        return former
-    name = f"{source.name} {label}" if former is None else former.name
-    image = bpy.data.images.new(name, *source.size, alpha=True, float_buffer=is_float)
-    image.use_fake_user = True  # what the user has not put anywhere yet is saved all the same
-    image.spectral_tv.source, image.spectral_tv.label = source, label
-    if former is not None:
-        former.user_remap(image)
-        bpy.data.images.remove(former)
-        image.name = name
-    return image
-
-
-def _stored(image: bpy.types.Image) -> np.ndarray:
-    """(H, W, channels) float32, from the bottom up."""
-    width, height = image.size
-    flat = np.empty(width * height * image.channels, dtype=np.float32)
-    image.pixels.foreach_get(flat)
-    return flat.reshape(height, width, image.channels)
+        Colours under alpha 0 stay if they come to be divided by it, and else become 0.
+        """
+        if not self.has_alpha or is_associated == self.is_associated:
+            return replace(self, is_associated=is_associated)
+        stored = self.stored.astype(np.float64)
+        alpha = stored[..., 3:]
+        stored[..., :3] *= alpha if is_associated else 1 / np.where(alpha == 0, 1, alpha)
+        return replace(self, stored=stored.astype(np.float32), is_associated=is_associated)

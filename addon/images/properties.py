@@ -1,10 +1,18 @@
 """What the user chooses of an image's bands, and what an image remembers."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from ..filters.filtering import FilterProperties, SidebarFilter
 from .bands import Choice
+from .results import SpectralTVImageResult
 
 RESULTS = (
     ("FILTER", "Filtered", "The image with its bands kept, removed or amplified"),
@@ -90,7 +98,9 @@ class ImageProperties(FilterProperties):
 
 
 class SpectralTVImages(SidebarFilter, ImageProperties, bpy.types.PropertyGroup):
-    """The choices in the Image Editor's sidebar, kept with the scene."""
+    """The choices in the Image Editor's sidebar, kept with the scene, and what was written."""
+
+    results: CollectionProperty(type=SpectralTVImageResult)
 
 
 class SpectralTVImage(bpy.types.PropertyGroup):
@@ -104,7 +114,7 @@ class SpectralTVImage(bpy.types.PropertyGroup):
     label: StringProperty(name="Label", description="What it is of its source")
 
 
-CLASSES = (SpectralTVImages, SpectralTVImage)
+CLASSES = (SpectralTVImageResult, SpectralTVImages, SpectralTVImage)
 
 
 def register() -> None:

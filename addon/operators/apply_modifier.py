@@ -4,6 +4,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..decomposition.bands import follow_topology, names_of_bands
+from ..deformation import results as deformed
 from ..scene import results
 from ..scene.applying import apply_modifier
 from ..scene.notes import gathered
@@ -35,7 +36,7 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
         obj = context.active_object
         enabled = [each.name for each in obj.modifiers if each.show_viewport]
         known = [results.known(obj, written) for written in results.THINGS]
-        bands = names_of_bands(obj)
+        bands, deformations = names_of_bands(obj), deformed.known_names(obj)
         applied = []
         with gathered() as notes:
             try:
@@ -48,6 +49,7 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
             return {"CANCELLED"}
         for places in known:
             results.renew(obj, places)
+        deformed.renew(obj, deformations)
         follow_topology(obj, bands)
         self.report({"INFO"}, f"{obj.name}: applied {', '.join(map(repr, applied))}")
         for note in notes:

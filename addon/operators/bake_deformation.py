@@ -11,6 +11,7 @@ from ..deformation import baking
 from ..deformation.deform import follow_refusal
 from ..scene.objects import Refusal
 from ._job import JobOperator
+from ._progress import cursor_progress
 
 
 class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
@@ -24,7 +25,12 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
 
     frame_start: IntProperty(name="Start", description="First frame", default=1)
     frame_end: IntProperty(name="End", description="Last frame", default=40)
-    step: IntProperty(name="Step", description="Frames from one key to the next", default=1, min=1)
+    step: IntProperty(
+        name="Step",
+        description="Frames from one key to the next; the last frame always has one",
+        default=1,
+        min=1,
+    )
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
@@ -33,7 +39,8 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
     def prepare(self, obj: bpy.types.Object) -> Any:
         if self.frame_end < self.frame_start:
             raise Refusal(f"frame {self.frame_end} comes before frame {self.frame_start}")
-        return baking.prepare(obj, self._frames())
+        with cursor_progress(bpy.context) as progress:
+            return baking.prepare(obj, self._frames(), progress)
 
     def work(self, prepared: Any, progress: Callable[[float], None]) -> Any:
         _, targets, deformer = prepared
@@ -46,8 +53,8 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
     def write(self, obj: bpy.types.Object, prepared: Any, result: Any) -> str:
         return baking.write(obj, self._frames(), prepared[0], result)
 
-    def _frames(self) -> range:
-        return range(self.frame_start, self.frame_end + 1, self.step)
+    def _frames(self) -> list[int]:
+        return baking.frames_of(self.frame_start, self.frame_end, self.step)
 
 
 CLASSES = (SPECTRAL_TV_OT_bake_deformation,)

@@ -1,10 +1,12 @@
 """Operators that edit the list of constraints."""
 
+import bmesh
 import bpy
 from bpy.props import EnumProperty
 
 from ..deformation import constraints
 from ..deformation.empties import add_empty
+from ..deformation.handles import group_weights
 from ..scene.objects import Refusal, refusal
 
 
@@ -51,6 +53,13 @@ class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
         constraint = constraints.add(obj, group, self.kind)
         if self.kind == "OBJECT":
             constraint.target = add_empty(obj, group)
+        _, weights = group_weights(obj, [group])[group]
+        if len(weights) and weights.max() < 1:
+            self.report(
+                {"WARNING"},
+                f"{obj.name}: no vertex of {group!r} has the weight 1, so that it follows like by "
+                f"springs: the largest is {weights.max():.2g}",
+            )
         return {"FINISHED"}
 
 
@@ -74,19 +83,30 @@ class SPECTRAL_TV_OT_constraint_rest(ConstraintOperator, bpy.types.Operator):
     bl_label = "Set Rest"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        constraints.chosen(context.active_object).set_rest()
+        obj = context.active_object
+        try:
+            constraints.chosen(obj).set_rest()
+        except Refusal as error:
+            self.report({"ERROR"}, f"{obj.name}: {error}")
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 
 def _selected_group(obj: bpy.types.Object, label: str) -> str:
     """The group to constrain: a new one of the selection in Edit Mode, else the active one."""
     if obj.mode == "EDIT":
-        obj.update_from_editmode()
-        selected = [vertex.index for vertex in obj.data.vertices if vertex.select]
+        # Not by Blender's operator, which heeds the weight and other settings of tools.
+        edited = bmesh.from_edit_mesh(obj.data)
+        selected = [vertex for vertex in edited.verts if vertex.select]
         if not selected:
             raise Refusal("select the vertices to constrain")
-        bpy.ops.object.vertex_group_assign_new()
-        obj.vertex_groups.active.name = label
+        group = obj.vertex_groups.new(name=label)
+        weights = edited.verts.layers.deform.verify()
+        for vertex in selected:
+            vertex[weights][group.index] = 1.0
+        bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+        obj.update_from_editmode()
+        obj.vertex_groups.active_index = group.index
     elif obj.vertex_groups.active is None:
         raise Refusal("it has no vertex group; select the vertices in Edit Mode, or make one")
     return obj.vertex_groups.active.name

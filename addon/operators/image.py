@@ -6,8 +6,9 @@ import bpy
 import spectral_tv
 from bpy.props import StringProperty
 
-from ..images import pixels
-from ..images.bands import Prepared, prepare, write
+from ..images import results, sources
+from ..images.bands import Prepared, prepare
+from ..images.flows import STILL, Still
 from ..images.properties import ImageProperties
 from ..scene.objects import Refusal
 from ._job import JobOperator
@@ -30,12 +31,10 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageProperties, bpy.types.Operat
     @classmethod
     def subject(cls, context: bpy.types.Context) -> bpy.types.Image | None:
         image = getattr(context, "edit_image", None)
-        if image is not None and image.spectral_tv.source is not None:
-            return image.spectral_tv.source
-        return image
+        return image if image is None else results.source_of(image) or image
 
-    unusable = staticmethod(pixels.refusal)
-    state = staticmethod(pixels.state_of)
+    unusable = staticmethod(sources.refusal)
+    state = staticmethod(sources.state_of)
 
     @staticmethod
     def find(name: str) -> bpy.types.Image | None:
@@ -49,32 +48,34 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageProperties, bpy.types.Operat
     def refusal(cls, context: bpy.types.Context) -> str | None:
         subject = cls.subject(context)
         # Without an editor it is the operator's own property that names the image.
-        return None if subject is None else pixels.refusal(subject)
+        return None if subject is None else sources.refusal(subject)
 
     def chosen(self, context: bpy.types.Context) -> bpy.types.Image:
         image = bpy.data.images.get(self.image) if self.image else self.subject(context)
         if image is None and self.image:
             raise Refusal(f"there is no image {self.image!r}")
-        reason = pixels.refusal(image)
+        reason = sources.refusal(image)
         if reason is not None:
             raise Refusal(reason)
         return image
 
     def prepare(self, image: bpy.types.Image) -> Prepared:
-        return prepare(image, self.choice())
+        return prepare(sources.read(image), self.choice())
+
+    def recall(self, prepared: Prepared) -> Still | None:
+        return STILL if prepared.request.is_still else None
 
     def work(self, prepared: Prepared, progress: Callable[[float], None]) -> spectral_tv.Flow:
-        return spectral_tv.decompose_image(**prepared.arguments, progress=progress)
+        return prepared.request.run(progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
-        return spectral_tv.start_decompose_image(**prepared.arguments)
+        return prepared.request.start()
 
-    def write(self, image: bpy.types.Image, prepared: Prepared, result: spectral_tv.Flow) -> str:
-        names, cut = write(image, prepared, self.choice(), result)
-        text = f"written as {', '.join(map(repr, names))}"
-        if cut:
-            text += f", {cut} pixels cut off at black and white"
-        return text
+    def write(
+        self, image: bpy.types.Image, prepared: Prepared, result: spectral_tv.Flow | Still
+    ) -> str:
+        names = results.write(image, prepared, self.choice(), result)
+        return f"written as {', '.join(map(repr, names))}"
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""

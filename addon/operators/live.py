@@ -6,6 +6,7 @@ import spectral_tv
 from ..deformation.deform import follow_refusal
 from ..deformation.live import LiveDeformation
 from ..job import faults, jobs
+from ..scene.notes import gathered
 from ..scene.objects import Refusal
 from . import _timers
 from ._progress import redraw_sidebars
@@ -36,6 +37,11 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
         return "" if cls._running is None else cls._running._object_name
 
     @classmethod
+    def problem(cls) -> str:
+        """Why it waits for the user, in a sentence; empty while it follows."""
+        return "" if cls._running is None else cls._running._problem
+
+    @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if cls.is_running():
             return True
@@ -54,12 +60,15 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
             cls._running.should_end = True
             return {"CANCELLED"}
         self._object_name = context.active_object.name
+        self._told: set[str] = set()
+        self._problem = ""
         try:
-            with faults.kept(context.active_object):
+            with faults.kept(context.active_object), gathered() as notes:
                 self._live = LiveDeformation(context.active_object)
         except (spectral_tv.MeshError, Refusal, MemoryError) as error:
             self.report({"ERROR"}, f"{self._object_name}: {error}")
             return {"CANCELLED"}
+        self._tell(notes)
         self.should_end = False
         cls._running = self
         self._timer = _timers.add(context, POLL)
@@ -76,12 +85,26 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
             return {"FINISHED"}
         if event.type == "TIMER":
             try:
-                self._live.update()
+                with gathered() as notes:
+                    self._live.update()
             except (spectral_tv.MeshError, RuntimeError, Refusal, MemoryError) as error:
                 self.cancel(context)
                 self.report({"WARNING"}, f"{self._object_name}: no longer live: {error}")
                 return {"FINISHED"}
+            self._tell(notes)
+            if self._live.problem != self._problem:
+                self._problem = self._live.problem
+                if self._problem:
+                    self.report({"WARNING"}, f"{self._object_name}: waiting: {self._problem}")
+                redraw_sidebars(context)
         return {"PASS_THROUGH"}
+
+    def _tell(self, notes: list[str]) -> None:
+        """Report what was not told before."""
+        for note in notes:
+            if note not in self._told:
+                self._told.add(note)
+                self.report({"WARNING"}, f"{self._object_name}: {note}")
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Leave the shape as it is; Blender calls it too when it ends the operator itself."""

@@ -2,8 +2,8 @@
 
 import bpy
 
-from ..deformation import constraints
-from ..deformation.deform import deform_refusal
+from ..deformation import constraints, turning
+from ..deformation.deform import deform_refusal, shared_refusal
 from ..job import jobs
 from ..operators.bake_deformation import SPECTRAL_TV_OT_bake_deformation
 from ..operators.constraints import (
@@ -14,6 +14,7 @@ from ..operators.constraints import (
 from ..operators.deform import SPECTRAL_TV_OT_deform
 from ..operators.live import SPECTRAL_TV_OT_deform_live
 from ..scene.objects import is_mesh
+from ..scene.places import is_in_a_scene
 from ._sidebar import Sidebar, draw_fault, draw_progress, say
 
 
@@ -36,6 +37,8 @@ def _destination(constraint: constraints.SpectralTVConstraint) -> str:
     if constraint.kind == "OBJECT":
         if constraint.target is None:
             return "(none)"
+        if not is_in_a_scene(constraint.target):
+            return f"({constraint.target.name} was deleted)"
         return constraint.bone or constraint.target.name
     return constraint.shape_key if constraint.kind == "KEY" else ""
 
@@ -58,6 +61,7 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
             row = layout.row()
             row.scale_y = 1.4
             row.operator(SPECTRAL_TV_OT_deform_live.bl_idname, text=text, icon="PAUSE")
+            self._draw_problem(layout, context)
             return
         deformation = constraints.deformation_of(obj)
         self._draw_list(layout, deformation)
@@ -70,6 +74,7 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
         row = column.row()
         row.active = deformation.algorithm == "CONVEX"
         row.prop(deformation, "softness")
+        self._draw_turning(layout, context, obj)
         if jobs.running() is not None:
             draw_progress(layout, context)
             return
@@ -77,6 +82,10 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
         reason = deform_refusal(obj)
         if reason is not None and not is_live:
             say(layout, context, reason, "INFO")
+            if reason == shared_refusal(obj):
+                single = layout.operator("object.make_single_user", icon="DUPLICATE")
+                single.object = single.obdata = True
+        self._draw_problem(layout, context)
         draw_fault(layout, context)
         row = layout.row(align=True)
         row.scale_y = 1.4
@@ -86,6 +95,28 @@ class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
             icon="PAUSE" if is_live else "PLAY",
             depress=is_live,
         )
+
+    @staticmethod
+    def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw what Live waits for."""
+        if SPECTRAL_TV_OT_deform_live.problem():
+            say(layout, context, f"Waiting: {SPECTRAL_TV_OT_deform_live.problem()}", "ERROR")
+
+    @staticmethod
+    def _draw_turning(
+        layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object
+    ) -> None:
+        """Draw that pieces do not turn with their handles, and a button for what turns them."""
+        deformation = constraints.deformation_of(obj)
+        text = turning.told(turning.of_handles(obj), deformation.algorithm)
+        if text is None:
+            return
+        say(layout, context, text[0].upper() + text[1:], "INFO")
+        column = layout.column()
+        column.use_property_split = False
+        for algorithm in constraints.TURNING:
+            label = f"Take {constraints.label_of(algorithm)}"
+            column.prop_enum(deformation, "algorithm", algorithm, text=label)
 
     @staticmethod
     def _draw_list(layout: bpy.types.UILayout, deformation) -> None:

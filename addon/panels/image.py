@@ -3,8 +3,9 @@
 import bpy
 
 from ..decomposition.properties import copy_choices
-from ..images.pixels import refusal
 from ..images.properties import ImageProperties
+from ..images.results import source_of
+from ..images.sources import refusal
 from ..job import estimates, jobs
 from ..operators.image import SPECTRAL_TV_OT_filter_image
 from ._sidebar import draw_needs, draw_progress, say
@@ -25,7 +26,7 @@ class SPECTRAL_TV_PT_image(bpy.types.Panel):
         settings = context.scene.spectral_tv_images
         settings.draw_choice(layout)
         image = context.edit_image
-        if image is not None and image.spectral_tv.source is not None:
+        if image is not None and source_of(image) is not None:
             layout.prop(image.spectral_tv, "source")
         if jobs.running() is not None:
             draw_progress(layout, context)

@@ -69,7 +69,7 @@ def key_path(key: bpy.types.ShapeKey, name: str = "") -> str:
     return f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].{name}'
 
 
-def insert_keyframe(key: bpy.types.ShapeKey, name: str, frame: int) -> bool:
+def insert_keyframe(key: bpy.types.ShapeKey, name: str, frame: float) -> bool:
     """Insert a keyframe for a property of a shape key, and tell whether Blender did."""
     animation = key.id_data.animation_data
     action = None if animation is None else animation.action

@@ -4,7 +4,7 @@ It is noted where it is found, however deep, and told by whoever runs the work: 
 it, the command line prints it and writes it into the report.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
@@ -16,6 +16,17 @@ def note(text: str) -> None:
     found = _notes.get()
     if found is not None and text not in found:
         found.append(text)
+
+
+# Of longer lists the user reads the beginning.
+MOST_NAMES = 6
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names as a user reads them, each once: the first few, and how many more there are."""
+    distinct = list(dict.fromkeys(names))
+    more = len(distinct) - MOST_NAMES
+    return ", ".join(distinct[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 @contextmanager

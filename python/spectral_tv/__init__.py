@@ -42,6 +42,7 @@ from spectral_tv._native import (
     estimate,
     flow,
     graded_times,
+    set_threads,
     start_accuracy,
     start_caricature,
     start_cosegment,
@@ -50,8 +51,10 @@ from spectral_tv._native import (
     start_deform,
     start_eigenset_test,
     start_flow,
+    threads,
     total_variation,
 )
+from spectral_tv._threads import use_threads
 
 __all__ = [
     "Accuracy",
@@ -82,6 +85,7 @@ __all__ = [
     "estimate",
     "flow",
     "graded_times",
+    "set_threads",
     "start_accuracy",
     "start_caricature",
     "start_cosegment",
@@ -90,5 +94,7 @@ __all__ = [
     "start_deform",
     "start_eigenset_test",
     "start_flow",
+    "threads",
     "total_variation",
+    "use_threads",
 ]

@@ -1,5 +1,5 @@
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, final
+from typing import Any, Literal, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,8 @@ __all__ = [
     "MeshError",
     "MeshWarning",
     "__version__",
+    "_restore",
+    "_use_threads",
     "accuracy",
     "caricature",
     "conformal_flow",
@@ -33,6 +35,7 @@ __all__ = [
     "estimate",
     "flow",
     "graded_times",
+    "set_threads",
     "start_accuracy",
     "start_caricature",
     "start_cosegment",
@@ -41,6 +44,7 @@ __all__ = [
     "start_deform",
     "start_eigenset_test",
     "start_flow",
+    "threads",
     "total_variation",
 ]
 __version__: str
@@ -61,6 +65,8 @@ class Cancelled(Exception): ...
 
 @final
 class Mesh:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     def __new__(
         cls,
         vertices: ArrayLike,
@@ -85,6 +91,8 @@ class Mesh:
 
 @final
 class Findings:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def border_corners(self) -> int: ...
     @property
@@ -106,6 +114,8 @@ class Findings:
 
 @final
 class Flow:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def times(self) -> NDArray[np.float64]: ...
     @property
@@ -125,6 +135,8 @@ class Flow:
 
 @final
 class Decomposition:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def times(self) -> NDArray[np.float64]: ...
     @property
@@ -139,6 +151,8 @@ class Decomposition:
 
 @final
 class Accuracy:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def steps(self) -> NDArray[np.int64]: ...
     @property
@@ -158,6 +172,8 @@ class Accuracy:
 
 @final
 class Deformation:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -171,6 +187,8 @@ class Deformation:
 
 @final
 class Deformer:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     def __new__(
         cls,
         mesh: Mesh,
@@ -195,6 +213,8 @@ class Deformer:
 
 @final
 class EigensetTest:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def area(self) -> float: ...
     @property
@@ -222,6 +242,8 @@ class EigensetTest:
 
 @final
 class Estimate:
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: Any) -> Self: ...
     @property
     def bytes(self) -> int: ...
     @property
@@ -238,7 +260,7 @@ class Job:
     @property
     def done(self) -> bool: ...
     def cancel(self) -> None: ...
-    def result(self) -> Any: ...
+    def result(self, progress: _Progress | None = None) -> Any: ...
 
 def decompose(
     mesh: Mesh,
@@ -432,3 +454,7 @@ def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
 def default_base_time() -> float: ...
 def default_scales(method: _Method, eigenpairs: int = 300) -> tuple[float, float]: ...
 def graded_times(finest: float, largest: float, steps: int = 32) -> NDArray[np.float64]: ...
+def set_threads(count: int | None) -> None: ...
+def threads() -> int: ...
+def _use_threads(count: int | None) -> int | None: ...
+def _restore(class_: str, format: int, version: str, parts: dict[str, Any]) -> Any: ...

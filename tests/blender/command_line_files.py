@@ -13,8 +13,8 @@ QUICK = ["--bands", "3", "--steps", "8"]
 
 _package = "bl_ext.user_default.spectral_tv.command_line"
 run = import_module(_package).run
-exportable = import_module(f"{_package}.files").exportable
-load = import_module(f"{_package}.files").load
+exportable = import_module(f"{_package}.formats").exportable
+load = import_module(f"{_package}.load").load
 
 
 def empty() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from ball import ball
 from contents import contents, differences
+from deform_scene import handle
 
 
 def positions(data) -> np.ndarray:
@@ -126,6 +127,18 @@ def test_bands_and_results_are_known_afterwards(banded):
     bpy.ops.spectral_tv.flow_attribute(kind="GROUP", source="Cap", steps=4)
     assert banded.vertex_groups.keys() == groups and keys.keys() == names
     assert not bpy.ops.spectral_tv.cut.poll()  # the flow was on the vertices before
+
+
+@pytest.mark.parametrize("kind", ["SMOOTH", "SUBSURF"])
+def test_a_deformation_is_known_afterwards(held, kind):
+    handle(held).location.x = 0.5
+    bpy.ops.spectral_tv.deform()
+    keys = held.data.shape_keys.key_blocks
+    keys["Deformation"].name = "Pulled"
+    held.modifiers.new("Modifier", kind)
+    apply(held)
+    bpy.ops.spectral_tv.deform()
+    assert keys.keys() == ["Basis", "Pulled"]
 
 
 def test_all_are_applied_in_turn(banded, capfd):

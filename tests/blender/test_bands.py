@@ -140,6 +140,16 @@ def test_curve_sets_bands_from_finest_to_largest(banded):
     np.testing.assert_allclose(values(banded), 3 - 4 * np.array([1, 3, 5, 7]) / 8 - 1, atol=1e-3)
 
 
+def test_a_curve_that_was_deleted_is_drawn_anew(banded):
+    bpy.ops.spectral_tv.add_curve()
+    nodes = bpy.data.node_groups[".Spectral TV Filter"].nodes
+    nodes.clear()
+    bpy.ops.spectral_tv.add_curve()
+    assert "Filter" in nodes and len(bpy.data.node_groups) == 1
+    bpy.ops.spectral_tv.apply_curve()
+    np.testing.assert_allclose(values(banded), 0, atol=1e-6)
+
+
 def test_solo_mutes_the_others_and_gives_them_back(banded):
     keys = banded.data.shape_keys.key_blocks[1:]
     bpy.ops.spectral_tv.solo(band=2)

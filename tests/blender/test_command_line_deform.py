@@ -262,3 +262,97 @@ def test_pictures_show_the_deformed_shape_of_the_frame(tmp_path: Path):
     one, same, other = pictures
     assert np.count_nonzero(one != same) < 0.002 * np.count_nonzero(one)
     assert np.count_nonzero(one != other) > 0.01 * np.count_nonzero(one)
+
+
+def test_a_group_that_only_other_objects_have_is_left_out_there(tmp_path: Path, capfd):
+    """A body with both groups, hair with the one that moves, eyes with none."""
+    for name, missing in (("Body", []), ("Hair", ["Feet"]), ("Eyes", ["Feet", "Head"])):
+        obj = add_dumbbell(name)
+        for group in missing:
+            obj.vertex_groups.remove(obj.vertex_groups[group])
+    path = tmp_path / "three.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    parts = ["--pin", "Feet", "--move", "Head:0.4,0,0"]
+    deform(path, tmp_path / "out.blend", *parts)
+    told = capfd.readouterr().err
+    assert f"{path}: Hair has no vertex group 'Feet'" in told
+    assert f"{path}: Eyes was left as it is: it has none of the groups to move" in told
+    body, hair, eyes = (bpy.data.objects[name] for name in ("Body", "Hair", "Eyes"))
+    z = key_positions(body, "Basis")[:, 2]
+    assert_all(moved(body)[z > 1.8], (0.4, 0, 0))
+    assert_all(moved(body)[z < -1.8], 0)
+    assert_all(moved(hair), (0.4, 0, 0))
+    assert eyes.data.shape_keys is None
+    # Asked for by name, it is an error.
+    assert (
+        run(["deform", str(path), "-o", str(tmp_path / "no.blend"), *parts, "--object", "Hair"])
+        == 1
+    )
+    assert "Hair: there is no vertex group 'Feet'" in capfd.readouterr().err
+    assert not (tmp_path / "no.blend").exists()
+
+
+def test_hidden_handles_in_the_file_move_over_frames(tmp_path: Path):
+    source = write_held(tmp_path / "held.blend")
+    load(source)
+    bpy.data.objects["Handle"].hide_viewport = True
+    bpy.ops.wm.save_mainfile()
+    obj = deform(source, tmp_path / "out.blend", "--frames", "1-9:4")
+    z = key_positions(obj, "Basis")[:, 2]
+    for frame, x in ((1, 0), (5, 0.4), (9, 0.8)):
+        assert_all(moved(obj, f"Deformation {frame}")[z > 1.8], (x, 0, 0))
+
+
+def test_a_deleted_handle_in_the_file_is_told(tmp_path: Path, capfd):
+    source = write_held(tmp_path / "held.blend")
+    load(source)
+    bpy.context.scene.collection.objects.unlink(bpy.data.objects["Handle"])
+    bpy.ops.wm.save_mainfile()
+    assert run(["deform", str(source), "-o", str(tmp_path / "out.blend")]) == 1
+    assert "the object 'Handle' that moves 'Head' was deleted" in capfd.readouterr().err
+
+
+def test_over_frames_in_stretched_time_what_is_moved_goes_its_way(tmp_path: Path):
+    source = write_dumbbell(tmp_path / "dumbbell.blend")
+    load(source)
+    bpy.context.scene.render.frame_map_new = 200
+    bpy.ops.wm.save_mainfile()
+    deform(source, tmp_path / "out.blend", *UP, "--frames", "1-9:4")
+    heights = []
+    for frame in (1, 5, 9):
+        bpy.context.scene.frame_set(frame)
+        heights.append(shown()[:, 2].max())
+    np.testing.assert_allclose(np.diff(heights), 0.25, atol=1e-3)
+
+
+def test_what_a_format_has_of_the_frames_is_told(tmp_path: Path, capfd):
+    source = write_held(tmp_path / "held.blend")
+    for suffix in (".obj", ".glb"):
+        deform(source, tmp_path / f"out{suffix}", "--frames", "1-9:4")
+        told = f"{source}: .obj holds no animation of shapes: it has that of frame 9"
+        assert (told in capfd.readouterr().err) == (suffix == ".obj")
+
+
+def test_frames_that_no_scene_starts_at_are_told(tmp_path: Path, capfd):
+    source = write_held(tmp_path / "held.blend")
+    obj = deform(source, tmp_path / "out.blend", "--frames=-4-9:20")
+    assert "the scene starts at frame 0: no export goes back to -4" in capfd.readouterr().err
+    names = [key.name for key in obj.data.shape_keys.key_blocks]
+    assert names == ["Basis", "Deformation -4", "Deformation 9"]
+
+
+def test_objects_of_one_mesh_are_deformed_alike_and_that_is_told(tmp_path: Path, capfd):
+    source = write_dumbbell(tmp_path / "dumbbell.blend")
+    load(source)
+    (obj,) = meshes()
+    twin = bpy.data.objects.new("Twin", obj.data)
+    bpy.context.scene.collection.objects.link(twin)
+    bpy.ops.wm.save_mainfile()
+    deform(source, tmp_path / "out.blend", *UP)
+    assert f"{source}: 2 objects share the mesh of Dumbbell" in capfd.readouterr().err
+    load(source)
+    for each in meshes():
+        add_handle(each)
+    bpy.ops.wm.save_mainfile()
+    assert run(["deform", str(source), "-o", str(tmp_path / "no.blend")]) == 1
+    assert "Its mesh is also that of" in capfd.readouterr().err

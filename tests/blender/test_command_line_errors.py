@@ -40,7 +40,7 @@ def test_several_inputs_go_on_after_a_failure(tmp_path: Path, capfd):
     assert sorted(path.name for path in folder.iterdir()) == ["good.ply", "other.stl"]
     errors = capfd.readouterr().err.splitlines()
     for path, reason in (
-        (broken, "Invalid PLY header"),
+        (broken, "it has no header of a PLY file"),
         (missing, "no such file"),
         (points, "no mesh with faces"),
         (strange, "reads no .txt"),

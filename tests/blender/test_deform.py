@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -276,3 +277,49 @@ def test_constraints_are_kept_in_the_file(held, tmp_path):
     head = members(obj, "Head")
     moved = (key_positions(obj) - key_positions(obj, "Basis"))[head]
     np.testing.assert_allclose(moved, np.tile([0.5, 0, 0], (len(head), 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["PIN", "OBJECT"])
+def test_a_constraint_of_a_selection_is_exact_whatever_the_tools_are_set_to(body, kind):
+    settings = bpy.context.scene.tool_settings
+    settings.vertex_group_weight = 0.3
+    settings.use_auto_normalize = settings.use_multipaint = True
+    body.vertex_groups["Feet"].lock_weight = True
+    body.data.use_mirror_vertex_groups = body.data.use_mirror_x = True
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    edited = bmesh.from_edit_mesh(body.data)
+    edited.verts.ensure_lookup_table()
+    chosen = [int(index) for index in members(body, "Head")[:40]]
+    for index in chosen:
+        edited.verts[index].select_set(True)
+    bpy.ops.spectral_tv.constraint_add(kind=kind)
+    assert settings.vertex_group_weight == pytest.approx(0.3)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    name = {"PIN": "Pin", "OBJECT": "Handle"}[kind]
+    (constraint,) = body.spectral_tv.constraints
+    assert constraint.vertex_group == name == body.vertex_groups.active.name
+    index = body.vertex_groups[name].index
+    weights = {
+        vertex.index: each.weight
+        for vertex in body.data.vertices
+        for each in vertex.groups
+        if each.group == index
+    }
+    assert weights == dict.fromkeys(chosen, 1.0)
+    settings.vertex_group_weight = 1
+    settings.use_auto_normalize = settings.use_multipaint = False
+
+
+def test_a_pin_that_gives_way_is_told(held, capfd):
+    feet = [int(index) for index in members(held, "Feet")]
+    held.vertex_groups["Feet"].add(feet, 0.3, "REPLACE")
+    bpy.ops.spectral_tv.deform()
+    told = capfd.readouterr().out
+    assert "no vertex of the pin 'Feet' has the weight 1, it gives way: the largest is 0.3" in told
+    held.vertex_groups.active_index = held.vertex_groups["Feet"].index
+    bpy.ops.spectral_tv.constraint_add(kind="PIN")
+    assert "no vertex of 'Feet' has the weight 1" in capfd.readouterr().out
+    held.vertex_groups["Feet"].add(feet[:3], 1, "REPLACE")  # painted to fade out
+    bpy.ops.spectral_tv.deform()
+    assert "gives way" not in capfd.readouterr().out

@@ -6,6 +6,8 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 
+# What tests may be left out for there.
+REASONS = ("this Blender is built without", "no disk can be mounted", "starts Python with bpy")
 PYTEST = ("pytest", "_pytest", "pluggy", "iniconfig", "packaging", "pygments", "py")
 
 
@@ -38,4 +40,4 @@ def test_the_extension_passes_its_tests_inside(blender, tmp_path: Path):
     done = blender(*options, "--", str(packages))
     assert re.search(r"\d+ passed", done.stdout), done.stdout
     skipped = re.findall(r"^SKIPPED .*", done.stdout, re.MULTILINE)
-    assert all("this Blender is built without" in line for line in skipped), skipped
+    assert all(any(reason in line for reason in REASONS) for line in skipped), skipped

@@ -132,7 +132,6 @@ def test_results_survive_saving(tmp_path):
 def test_refusals():
     discs(True)
     bpy.data.images.new("Dot", 1, 1)
-    bpy.data.images.new("Plain", 8, 8)
     broken = discs(True, "Broken")
     broken.pixels[4 * (3 * SIDE[0] + 5)] = np.nan
     movie = bpy.data.images.new("Movie", 8, 8)
@@ -140,9 +139,8 @@ def test_refusals():
     for options, message in (
         ({"image": "Nothing"}, "there is no image 'Nothing'"),
         ({}, "no image; open one in the Image Editor"),
-        ({"image": "Dot"}, "Dot has no pixels that can be read"),
-        ({"image": "Movie"}, "Movie is no single still image"),
-        ({"image": "Plain"}, "Plain: all of its pixels are the same"),
+        ({"image": "Dot"}, "Dot has 1 × 1 pixels, but 2 × 2 are needed"),
+        ({"image": "Movie"}, "Movie is a movie; open one of its frames"),
         ({"image": "Broken"}, "Broken: the pixel at 5, 3 from the lower left is not a finite"),
         ({"image": "Photo", "bands": 8, "steps": 8}, "8 bands need more than 8 steps"),
         ({"image": "Photo", "finest": 5, "largest": 5}, "finest size is not below the largest"),
@@ -153,21 +151,49 @@ def test_refusals():
     assert not any("Filtered" in image.name for image in bpy.data.images)
 
 
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"tiled": True}, "Other has several tiles .UDIM.; open one of them by itself"),
+        ({"stereo3d": True}, "Other has several views; save one of them as an image"),
+        ("SEQUENCE", "Other is a sequence of images; open one of them by itself"),
+    ],
+)
+def test_images_that_are_no_single_picture_are_refused(settings, message):
+    options = settings if isinstance(settings, dict) else {}
+    image = bpy.data.images.new("Other", 8, 8, **options)
+    if not options:
+        image.source = settings
+    with pytest.raises(RuntimeError, match=message):
+        filter_image(image="Other")
+    assert len(bpy.data.images) == 1
+
+
+def test_the_result_of_a_render_is_refused():
+    scene = bpy.context.scene
+    bpy.ops.object.camera_add()
+    scene.camera, scene.render.engine = bpy.context.object, "CYCLES"
+    scene.cycles.samples, scene.render.resolution_x, scene.render.resolution_y = 1, 8, 8
+    bpy.ops.render.render()
+    with pytest.raises(RuntimeError, match="Render Result is what a render or a node shows"):
+        filter_image(image="Render Result")
+
+
 def test_the_job_of_a_window_is_polled_and_notices_changes():
     """What a window runs in a thread gives the same; a changed image is not the same subject."""
     jobs = import_module(f"{MODULE}.job.jobs")
     bands = import_module(f"{MODULE}.images.bands")
-    pixels = import_module(f"{MODULE}.images.pixels")
+    results = import_module(f"{MODULE}.images.results")
+    sources = import_module(f"{MODULE}.images.sources")
     image = discs(True)
-    settings = bpy.context.scene.spectral_tv_images
-    prepared = bands.prepare(image, settings.choice())
-    job = spectral_tv.start_decompose_image(**prepared.arguments)
-    jobs.start(job, image.name, pixels.state_of(image), "Flowing")
+    choice = bpy.context.scene.spectral_tv_images.choice()
+    prepared = bands.prepare(sources.read(image), choice)
+    jobs.start(prepared.request.start(), image.name, sources.state_of(image), "Flowing")
     while not jobs.running().job.done:
         time.sleep(0.01)
-    assert jobs.running().state == pixels.state_of(image)
-    names, _ = bands.write(image, prepared, settings.choice(), jobs.running().job.result())
+    assert jobs.running().state == sources.state_of(image)
+    names = results.write(image, prepared, choice, jobs.running().job.result())
     assert names == ["Photo Filtered"]
     image.pixels[0] = 0.9
-    assert jobs.running().state != pixels.state_of(image)
+    assert jobs.running().state != sources.state_of(image)
     jobs.finish()

@@ -13,12 +13,19 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from command_line_files import empty
 from disks import disk, protect
 
 _package = "bl_ext.user_default.spectral_tv.files"
 whole = import_module(f"{_package}.whole")
 checks = import_module(f"{_package}.checks")
 NotWritten, written, ensure_writable = whole.NotWritten, whole.written, whole.ensure_writable
+
+
+@pytest.fixture(autouse=True)
+def _leave_an_empty_file():
+    yield
+    empty()
 
 
 def write(target: Path, text: str) -> None:
@@ -138,6 +145,16 @@ def test_what_is_not_whole_is_not_put_in_place(tmp_path: Path):
     with pytest.raises(NotWritten, match="nothing was written"), written(target):
         pass
     assert content(tmp_path) == {"a.stl": "before"}
+
+
+def test_a_file_with_parts_that_did_not_fit_is_not_put_in_place(tmp_path: Path):
+    """Some writers go on after a part failed: the file is as long as it should be."""
+    with disk(tmp_path / "disk", 40) as place:
+        with pytest.raises(NotWritten, match="it has holes"), written(place / "a.txt") as path:
+            path.write_bytes(bytes(20_000))
+            os.truncate(path, 200_000)
+            (place / "rest").write_bytes(bytes(16_000))
+        assert list(content(place)) == ["rest"]
 
 
 def test_the_files_of_others_are_not_overwritten(tmp_path: Path):

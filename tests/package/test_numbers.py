@@ -31,6 +31,7 @@ CALLS = {
     "conformal_flow": (MESH,),
     "default_scales": ("lb",),
     "graded_times": (),
+    "set_threads": (),
     "Mesh.__new__": (VERTICES, TRIANGLES),
     "Deformer.__new__": (MESH, [0, 1]),
     "Deformer.solve": (TARGETS,),
@@ -66,7 +67,7 @@ def number_arguments():
         for argument in arguments:
             kind = ast.unparse(argument.annotation) if argument.annotation else ""
             is_number = ("int" in kind or "float" in kind) and "Callable" not in kind
-            if is_number and argument.arg != "mesh":
+            if is_number and argument.arg != "mesh" and not name.startswith("_"):
                 yield name, argument.arg, kind
 
 

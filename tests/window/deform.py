@@ -8,11 +8,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 from pictures import NEXT_HEADER, activate, away
-from screen import Steps, click, find, key, picture, until, xdotool
+from screen import Steps, click, find, in_view, key, picture, told, until, xdotool
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from shapes import dumbbell
+
+MODULE = "bl_ext.user_default.spectral_tv"
 
 
 def deform() -> Steps[None]:
@@ -24,6 +26,8 @@ def deform() -> Steps[None]:
     yield from picture("panel_deform")
     yield from drag_live(obj)
     yield from deform_once(obj)
+    yield from change_while_live()
+    yield from take_what_turns()
 
 
 def constrain(obj: bpy.types.Object) -> Steps[None]:
@@ -85,6 +89,61 @@ def deform_once(obj: bpy.types.Object) -> Steps[None]:
     )
 
 
+def change_while_live() -> Steps[None]:
+    """What is changed acts at once; while something is wrong, it waits and the panel says why."""
+    obj = new_dumbbell()
+    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
+        obj.vertex_groups.active = obj.vertex_groups[group]
+        with in_view():
+            bpy.ops.spectral_tv.constraint_add(kind=kind)
+    handle = obj.spectral_tv.constraints[1].target
+    yield from away()
+    yield from click(*(yield from find("spectral_tv.deform_live", column=0.75)))
+    handle.location.x += 0.3
+    yield from until(lambda: leaning(obj) is not None, "the live deformation to follow")
+    yield from until(lambda: abs(leaning(obj) - 0.3) < 1e-4, "the mesh to arrive")
+    assert abs(leaning(obj, -1)) < 1e-4
+    handle.hide_viewport = True
+    yield from until(lambda: running().problem() != "", "it to notice the hidden handle")
+    yield from away()
+    yield from picture("live_waits")
+    assert "waiting: Blender does not move what is hidden" in (yield from told())
+    handle.hide_viewport = False
+    yield from until(lambda: running().problem() == "", "it to go on")
+    obj.spectral_tv.active = 0
+    yield from away()
+    yield from click(*(yield from find("spectral_tv.constraint_remove", column=0.83)))
+    assert [each.kind for each in obj.spectral_tv.constraints] == ["OBJECT"]
+    yield from until(lambda: abs(leaning(obj, -1) - 0.3) < 1e-4, "all to follow the handle")
+    obj.spectral_tv.algorithm = "ARAP"
+    yield from until(lambda: not running().is_running(), "another algorithm to end it")
+    assert "no longer live: Live and Bake Animation need" in (yield from told())
+
+
+def take_what_turns() -> Steps[None]:
+    """The panel says that pieces do not turn, and a button takes the algorithm that turns them."""
+    obj = new_dumbbell()
+    obj.spectral_tv.algorithm = "CONVEX"
+    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
+        obj.vertex_groups.active = obj.vertex_groups[group]
+        with in_view():
+            bpy.ops.spectral_tv.constraint_add(kind=kind)
+    obj.spectral_tv.constraints[1].target.rotation_euler.y = 1
+    yield from away()
+    yield from picture("panel_turning")
+    yield from click(*(yield from find("spectral_tv.algorithm", column=0.2)))
+    assert obj.spectral_tv.algorithm == "ARAP"
+    yield from away()
+    yield from picture("panel_turned")
+    yield from click(*(yield from find("spectral_tv.deform(", column=0.3)))
+    yield from until(lambda: leaning(obj) is not None, "the deformation")
+    assert "turned" not in (yield from told()).splitlines()[-1]
+
+
+def running() -> type:
+    return sys.modules[f"{MODULE}.operators.live"].SPECTRAL_TV_OT_deform_live
+
+
 def new_dumbbell() -> bpy.types.Object:
     """A dumbbell with vertex groups at its ends, in place of all meshes."""
     for obj in [obj for obj in bpy.data.objects if obj.type == "MESH"]:
@@ -103,11 +162,11 @@ def new_dumbbell() -> bpy.types.Object:
     return obj
 
 
-def leaning(obj: bpy.types.Object) -> float | None:
-    """How far the top has moved along X; None without a deformation."""
+def leaning(obj: bpy.types.Object, vertex: int = 0) -> float | None:
+    """How far the top, or another vertex, has moved along X; None without a deformation."""
     keys = obj.data.shape_keys
     if keys is None or "Deformation" not in keys.key_blocks:
         return None
-    top = obj.data.vertices[0].index
+    top = obj.data.vertices[vertex].index
     basis, shape = keys.key_blocks[0].data, keys.key_blocks["Deformation"].data
     return shape[top].co.x - basis[top].co.x

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use spectral_tv::Error;
-use spectral_tv::method::{self, AccuracyRequest};
+use spectral_tv::method::{self, AccuracyRequest, Errors};
 
 use crate::arrays;
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
 use crate::parameters;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 use crate::settings::Request;
 
 /// How the errors of a decomposition fall with the number of steps, measured by `accuracy`.
@@ -29,54 +30,67 @@ pub struct Accuracy {
 impl Accuracy {
     /// The numbers of steps, (n,).
     #[getter]
-    fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        let steps: Vec<i64> = self.inner.steps.iter().map(|&count| count as i64).collect();
-        steps.into_pyarray(py)
+    fn steps<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<i64>>, Failure> {
+        arrays::array_of(py, &self.signed_steps())
     }
 
     /// Where the bands begin and end, (K+1,), length².
     #[getter]
-    fn edges<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.edges.clone().into_pyarray(py)
+    fn edges<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, &self.inner.edges)
     }
 
     /// Distance of the all-pass filter's shape from the shape at every vertex, (n, V), length:
     /// rounding, by construction.
     #[getter]
-    fn all_pass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, &self.inner.ours.all_pass)
+    fn all_pass<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::table_of(py, self.inner.ours.all_pass.view())
     }
 
     /// The same of the paper's transform, (n, V), length.
     #[getter]
-    fn paper_all_pass<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, &self.inner.paper.all_pass)
+    fn paper_all_pass<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::table_of(py, self.inner.paper.all_pass.view())
     }
 
     /// Distance of the bands from those of the refined flow at every vertex, (n, V), length: the
     /// root of the sum of squares over the bands.
     #[getter]
-    fn bands<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, &self.inner.ours.bands)
+    fn bands<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::table_of(py, self.inner.ours.bands.view())
     }
 
     /// The same of the paper's steps, (n, V), length.
     #[getter]
-    fn paper_bands<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, &self.inner.paper.bands)
+    fn paper_bands<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::table_of(py, self.inner.paper.bands.view())
     }
 
     /// L² error of each band over the surface, relative to the band's norm; to 1e-12 of the
     /// largest where a band has less, (n, K).
     #[getter]
-    fn relative<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, &self.inner.ours.relative)
+    fn relative<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::table_of(py, self.inner.ours.relative.view())
     }
 
     /// The same of the paper's steps, (n, K).
     #[getter]
-    fn paper_relative<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        array(py, &self.inner.paper.relative)
+    fn paper_relative<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::table_of(py, self.inner.paper.relative.view())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The result itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The result itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
     }
 
     fn __repr__(&self) -> String {
@@ -84,8 +98,54 @@ impl Accuracy {
     }
 }
 
-fn array<'py>(py: Python<'py>, values: &Array2<f64>) -> Bound<'py, PyArray2<f64>> {
-    values.clone().into_pyarray(py)
+impl Accuracy {
+    fn signed_steps(&self) -> Vec<i64> {
+        self.inner.steps.iter().map(|&count| count as i64).collect()
+    }
+}
+
+impl Pickled for Accuracy {
+    const NAME: &'static str = "Accuracy";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        parts.list("steps", &self.signed_steps())?;
+        parts.list("edges", &self.inner.edges)?;
+        for (way, errors) in [("", &self.inner.ours), ("paper_", &self.inner.paper)] {
+            parts.matrix(&format!("{way}all_pass"), errors.all_pass.view())?;
+            parts.matrix(&format!("{way}bands"), errors.bands.view())?;
+            parts.matrix(&format!("{way}relative"), errors.relative.view())?;
+        }
+        Ok(())
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let errors = |way: &str| -> Result<Errors, Failure> {
+            Ok(Errors {
+                all_pass: parts.matrix(&format!("{way}all_pass"))?,
+                bands: parts.matrix(&format!("{way}bands"))?,
+                relative: parts.matrix(&format!("{way}relative"))?,
+            })
+        };
+        let inner = method::Accuracy {
+            steps: step_counts(&parts.get("steps")?)?,
+            edges: parts.list("edges")?,
+            ours: errors("")?,
+            paper: errors("paper_")?,
+        };
+        let vertices = (inner.steps.len(), inner.ours.all_pass.ncols());
+        let bands = (inner.steps.len(), inner.edges.len().saturating_sub(1));
+        let is_right = [&inner.ours, &inner.paper].into_iter().all(|errors| {
+            let shapes = [&errors.all_pass, &errors.bands, &errors.relative].map(Array2::dim);
+            shapes == [vertices, vertices, bands]
+        });
+        match is_right {
+            true => Ok(Self { inner }),
+            false => {
+                let message = "the parts of the accuracy have shapes that do not go together";
+                Err(Error::Argument(message.into()).into())
+            }
+        }
+    }
 }
 
 /// Measure how the errors of a decomposition fall with the number of steps: of the all-pass
@@ -220,13 +280,7 @@ fn accuracy_request(
 ) -> Result<AccuracyRequest, Failure> {
     let steps = match steps {
         None => STEPS.to_vec(),
-        Some(steps) => arrays::indices("steps", steps)?
-            .iter()
-            .map(|&count| {
-                usize::try_from(count)
-                    .map_err(|_| Error::Argument(format!("steps must be at least 2, not {count}")))
-            })
-            .collect::<Result<_, _>>()?,
+        Some(steps) => step_counts(steps)?,
     };
     Ok(AccuracyRequest {
         settings: request.settings()?,
@@ -237,13 +291,21 @@ fn accuracy_request(
     })
 }
 
+/// Numbers of steps, whatever they are.
+fn step_counts(steps: &Bound<'_, PyAny>) -> Result<Vec<usize>, Failure> {
+    let counts = arrays::indices("steps", steps)?;
+    let count = |&count: &i64| {
+        usize::try_from(count)
+            .map_err(|_| Error::Argument(format!("steps must be at least 2, not {count}")))
+    };
+    Ok(counts.iter().map(count).collect::<Result<_, _>>()?)
+}
+
 fn start<T: Send + 'static>(
     mesh: &Mesh,
     request: AccuracyRequest,
     wrap: impl FnOnce(method::Accuracy) -> T + Send + 'static,
 ) -> Result<Task<T>, Failure> {
     let mesh = Arc::clone(&mesh.inner);
-    Ok(Task::start(move |monitor| {
-        method::accuracy(&mesh, &request, monitor.whole()).map(wrap)
-    })?)
+    Task::start(move |monitor| method::accuracy(&mesh, &request, monitor.whole()).map(wrap))
 }

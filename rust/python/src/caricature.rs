@@ -67,7 +67,7 @@ pub fn caricature<'py>(
 ) -> Result<Vec<Bound<'py, PyArray2<f64>>>, Failure> {
     let filter = exaggeration(band, gain, smooth);
     let shapes = start(&meshes, filter, method, steps, |shapes| shapes)?.wait(py, progress)?;
-    Ok(convert(py, &shapes))
+    convert(py, &shapes)
 }
 
 /// Start `caricature` in a thread of its own and return the `Job` at once.
@@ -83,7 +83,7 @@ pub fn start_caricature(
 ) -> Result<Job, Failure> {
     let filter = exaggeration(band, gain, smooth);
     let task = start(&meshes, filter, method, steps, |shapes| -> Convert {
-        Box::new(move |py| Ok(convert(py, &shapes).into_pyobject(py)?.into_any().unbind()))
+        Box::new(move |py| Ok(convert(py, &shapes)?.into_pyobject(py)?.into_any().unbind()))
     })?;
     Ok(Job::new(task))
 }
@@ -110,15 +110,18 @@ fn start<T: Send + 'static>(
         .iter()
         .map(|mesh| Arc::clone(&mesh.get().inner))
         .collect();
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         let meshes: Vec<_> = meshes.iter().map(AsRef::as_ref).collect();
         method::caricature(&meshes, &settings, &filter, monitor.whole()).map(wrap)
-    })?)
+    })
 }
 
-fn convert<'py>(py: Python<'py>, shapes: &Shapes) -> Vec<Bound<'py, PyArray2<f64>>> {
+fn convert<'py>(
+    py: Python<'py>,
+    shapes: &Shapes,
+) -> Result<Vec<Bound<'py, PyArray2<f64>>>, Failure> {
     shapes
         .iter()
-        .map(|shape| arrays::per_vertex(py, shape))
+        .map(|shape| arrays::per_vertex(py, shape.view()))
         .collect()
 }

@@ -5,14 +5,15 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use spectral_tv::method;
-use spectral_tv::spectral::even_edges;
+use spectral_tv::spectral::{SpectralTransform, even_edges};
 
 use crate::arrays;
 use crate::error::Failure;
-use crate::flow::{Flow, Layout};
+use crate::flow::{Flow, Layout, claim_functions, read_trajectory, write_trajectory};
 use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 use crate::settings::{Request, gains as parse_gains};
 
 /// A shape split into scales by `decompose`.
@@ -28,32 +29,37 @@ pub struct Decomposition {
 impl Decomposition {
     /// t₀ = 0 < t₁ < … < t_N, (N+1,), length².
     #[getter]
-    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.times().to_vec().into_pyarray(py)
+    fn times<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, self.inner.times())
     }
 
     /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N−1, (N−1,), length³.
     #[getter]
-    fn spectrum<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.spectrum().to_vec().into_pyarray(py)
+    fn spectrum<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, self.inner.spectrum())
     }
 
     /// The shape that is left once every component is removed, (V, 3).
     #[getter]
-    fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        arrays::per_vertex(py, &self.inner.residual())
+    fn residual<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        let residual = guarded(py, |stage| {
+            claim_functions(self.inner.transform(), stage)?;
+            Ok(self.inner.residual())
+        })?;
+        arrays::per_vertex(py, residual.view())
     }
 
     /// The flow that was transformed: of the positions, or of M3's displacement.
     #[getter]
-    fn flow(&self) -> Flow {
+    fn flow(&self) -> Result<Flow, Failure> {
         let transform = self.inner.transform().clone();
         let trajectory = transform.trajectory();
         let layout = Layout {
             places: vec![trajectory.vertex_count()],
             has_channels: trajectory.channel_count() > 1,
         };
-        Flow::new(transform, self.inner.vertex_areas().to_vec(), layout)
+        let masses = arrays::copied(self.inner.vertex_areas())?;
+        Ok(Flow::new(transform, masses, layout))
     }
 
     /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
@@ -117,8 +123,25 @@ impl Decomposition {
         gains: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let gains = parse_gains(gains, self.inner.component_times())?;
-        let shape = guarded(py, || self.inner.filter(&gains))?;
-        Ok(arrays::per_vertex(py, &shape))
+        let shape = guarded(py, |stage| {
+            claim_functions(self.inner.transform(), stage)?;
+            self.inner.filter(&gains)
+        })?;
+        arrays::per_vertex(py, shape.view())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The decomposition itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The decomposition itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
     }
 
     fn __repr__(&self) -> String {
@@ -128,6 +151,42 @@ impl Decomposition {
             times.len() - 1,
             times[times.len() - 1]
         )
+    }
+}
+
+impl Pickled for Decomposition {
+    const NAME: &'static str = "Decomposition";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        write_trajectory(self.inner.transform().trajectory(), parts)?;
+        parts.list("spectrum", self.inner.spectrum())?;
+        parts.list("vertex_areas", self.inner.vertex_areas())?;
+        match self.inner.displacement() {
+            Some(found) => {
+                parts.matrix("base", found.base.view())?;
+                parts.matrix("direction", found.direction.view())
+            }
+            None => {
+                parts.value("base", None::<()>)?;
+                parts.value("direction", None::<()>)
+            }
+        }
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let base_and_direction = match parts.optional("base")? {
+            Some(_) => Some((parts.matrix("base")?, parts.matrix("direction")?)),
+            None => None,
+        };
+        let inner = method::Decomposition::restored(
+            SpectralTransform::new(read_trajectory(parts)?),
+            base_and_direction,
+            parts.list("spectrum")?,
+            parts.list("vertex_areas")?,
+        )?;
+        Ok(Self {
+            inner: Arc::new(inner),
+        })
     }
 }
 
@@ -295,7 +354,7 @@ fn start<T: Send + 'static>(
 ) -> Result<Task<T>, Failure> {
     let settings = request.settings()?;
     let mesh = Arc::clone(&mesh.inner);
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         method::decompose(&mesh, &settings, monitor.whole()).map(|inner| wrap(Arc::new(inner)))
-    })?)
+    })
 }

@@ -3,24 +3,28 @@
 use std::sync::Arc;
 
 use ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Settings};
+use spectral_tv::memory::needs;
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::operators::positions;
 
-use crate::arrays;
+use crate::arrays::{self, Vertices};
 use crate::error::Failure;
-use crate::job::{Convert, Job, Task};
+use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 
 /// A deformed shape, made by `deform` or a `Deformer`.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Deformation {
-    inner: deformation::Deformation,
+    /// (3, V).
     vertices: Array2<f64>,
+    total_variation: f64,
+    gap: f64,
+    iterations: usize,
     unconstrained: Arc<Vec<i64>>,
 }
 
@@ -28,43 +32,84 @@ pub struct Deformation {
 impl Deformation {
     /// Positions of the deformed shape, (V, 3).
     #[getter]
-    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        arrays::per_vertex(py, &self.vertices)
+    fn vertices<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::per_vertex(py, self.vertices.view())
     }
 
     /// TV of the displacement, length².
     #[getter]
     fn total_variation(&self) -> f64 {
-        self.inner.total_variation
+        self.total_variation
     }
 
     /// How far the energy can be above the least, relative to itself: a duality gap, so a proof.
     /// Of algorithms that do not minimise TV it says how far from the optimum they ended.
     #[getter]
     fn gap(&self) -> f64 {
-        self.inner.gap
+        self.gap
     }
 
     /// Number of iterations.
     #[getter]
     fn iterations(&self) -> usize {
-        self.inner.iterations
+        self.iterations
     }
 
     /// Vertices of connected components without any constraint, (U,): each such piece moves
     /// rigidly with the surface nearest to it.
     #[getter]
-    fn unconstrained<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.unconstrained.to_vec().into_pyarray(py)
+    fn unconstrained<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<i64>>, Failure> {
+        arrays::array_of(py, &self.unconstrained)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The deformation itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The deformation itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
     }
 
     fn __repr__(&self) -> String {
         format!(
             "Deformation({} vertices, gap {:.1e} after {} iterations)",
             self.vertices.ncols(),
-            self.inner.gap,
-            self.inner.iterations
+            self.gap,
+            self.iterations
         )
+    }
+}
+
+impl Pickled for Deformation {
+    const NAME: &'static str = "Deformation";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        parts.matrix("vertices", self.vertices.view())?;
+        parts.value("total_variation", self.total_variation)?;
+        parts.value("gap", self.gap)?;
+        parts.value("iterations", self.iterations)?;
+        parts.list("unconstrained", &self.unconstrained)
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let vertices = parts.matrix("vertices")?;
+        if vertices.nrows() != 3 {
+            let message = "the vertices of a deformation have three coordinates";
+            return Err(Error::Argument(message.into()).into());
+        }
+        Ok(Self {
+            vertices,
+            total_variation: parts.value("total_variation")?,
+            gap: parts.value("gap")?,
+            iterations: parts.value("iterations")?,
+            unconstrained: Arc::new(parts.indices("unconstrained")?),
+        })
     }
 }
 
@@ -87,12 +132,63 @@ impl Shape {
         }
     }
 
-    pub fn deformed(&self, inner: deformation::Deformation) -> Deformation {
+    pub fn deformed(&self, solution: deformation::Deformation) -> Deformation {
+        let mut vertices = solution.displacement;
+        for (mut vertex, rest) in vertices.columns_mut().into_iter().zip(self.mesh.vertices()) {
+            for (axis, rest) in rest.iter().enumerate() {
+                vertex[axis] += rest;
+            }
+        }
         Deformation {
-            vertices: positions(&self.mesh) + &inner.displacement,
-            inner,
+            vertices,
+            total_variation: solution.total_variation,
+            gap: solution.gap,
+            iterations: solution.iterations,
             unconstrained: Arc::clone(&self.unconstrained),
         }
+    }
+}
+
+/// What is constrained, as it came from Python, and how firmly.
+#[derive(Clone)]
+pub struct Handles {
+    pub indices: Vec<i64>,
+    pub weights: Option<Vec<f64>>,
+}
+
+impl Handles {
+    pub fn new(
+        mesh: &Mesh,
+        indices: &Bound<'_, PyAny>,
+        weights: Option<&Bound<'_, PyAny>>,
+    ) -> Result<Self, Failure> {
+        let indices = match arrays::vertices("indices", indices, mesh.inner.vertex_count())? {
+            Vertices::Indices(indices) => indices,
+            Vertices::Mask(mask) => {
+                let places = (0_i64..).zip(&mask);
+                places
+                    .filter_map(|(place, &is_meant)| is_meant.then_some(place))
+                    .collect()
+            }
+        };
+        let weights = match weights {
+            Some(weights) => Some(arrays::list("weights", weights)?),
+            None => None,
+        };
+        Ok(Self { indices, weights })
+    }
+
+    pub fn constraints(&self, py: Python<'_>, mesh: &Mesh) -> Result<Constraints, Failure> {
+        let mesh = &mesh.inner;
+        guarded(py, |stage| {
+            let needed = needs::solutions(needs::Size::of(mesh), 0);
+            stage.claim(
+                needed,
+                "finding what is held",
+                "take a mesh of fewer vertices",
+            )?;
+            Constraints::new(mesh, &self.indices, self.weights.as_deref())
+        })
     }
 }
 
@@ -103,8 +199,8 @@ impl Shape {
 /// Parameters
 /// ----------
 /// mesh : Mesh
-/// indices : (K,) array of integers
-///     The constrained vertices, those included that stay.
+/// indices : (K,) array of integers, or (V,) array of bools
+///     The constrained vertices, those included that stay; or True for each of them.
 /// targets : (K, 3) array
 ///     Where they go.
 /// weights : (K,) array, optional
@@ -154,7 +250,8 @@ pub fn deform(
         softness,
         tolerance,
     };
-    let task = start(mesh, (indices, targets, weights), settings, |shape| shape)?;
+    let asked = (indices, targets, weights);
+    let task = start(py, mesh, asked, settings, |shape| shape)?;
     task.wait(py, progress)
 }
 
@@ -169,7 +266,12 @@ pub fn deform(
 #[pyfunction]
 #[pyo3(signature = (mesh, indices, targets, weights = None, softness = 0.0, tolerance = 1e-3,
                     algorithm = "convex"))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "keyword arguments of a Python function"
+)]
 pub fn start_deform(
+    py: Python<'_>,
     mesh: &Mesh,
     indices: &Bound<'_, PyAny>,
     targets: &Bound<'_, PyAny>,
@@ -183,7 +285,7 @@ pub fn start_deform(
         softness,
         tolerance,
     };
-    let task = start(mesh, (indices, targets, weights), settings, converted)?;
+    let task = start(py, mesh, (indices, targets, weights), settings, converted)?;
     Ok(Job::new(task))
 }
 
@@ -196,38 +298,25 @@ type Asked<'a, 'py> = (
 
 /// Starts the work in a thread; `wrap` makes of its result what the thread hands over.
 fn start<T: Send + 'static>(
+    py: Python<'_>,
     mesh: &Mesh,
     (indices, targets, weights): Asked,
     settings: Settings,
     wrap: impl FnOnce(Deformation) -> T + Send + 'static,
 ) -> Result<Task<T>, Failure> {
-    let constraints = constraints(mesh, indices, weights)?;
+    let constraints = Handles::new(mesh, indices, weights)?.constraints(py, mesh)?;
     let targets = arrays::positions("targets", targets)?;
     let shape = Shape::new(mesh, &constraints);
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         let stage = monitor.whole();
         let solution = deformation::deform(&shape.mesh, constraints, &targets, settings, stage)?;
         Ok(wrap(shape.deformed(solution)))
-    })?)
+    })
 }
 
 /// Hands a deformation from a thread to Python.
 pub fn converted(deformation: Deformation) -> Convert {
     Box::new(move |py| Ok(Py::new(py, deformation)?.into_any()))
-}
-
-/// Constraints as they came from Python.
-pub fn constraints(
-    mesh: &Mesh,
-    indices: &Bound<'_, PyAny>,
-    weights: Option<&Bound<'_, PyAny>>,
-) -> Result<Constraints, Failure> {
-    let indices = arrays::indices("indices", indices)?;
-    let weights = match weights {
-        Some(weights) => Some(arrays::list("weights", weights)?),
-        None => None,
-    };
-    Ok(Constraints::new(&mesh.inner, &indices, weights.as_deref())?)
 }
 
 fn parse_algorithm(name: &str) -> Result<Algorithm, Failure> {

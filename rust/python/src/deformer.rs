@@ -1,28 +1,35 @@
 //! The class `Deformer`.
 
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use std::{process, thread};
 
+use ndarray::Array2;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use spectral_tv::deformation;
-use spectral_tv::monitor::Monitor;
+use spectral_tv::memory::needs;
+use spectral_tv::monitor::Stage;
 
 use crate::arrays;
-use crate::deformation::{Deformation, Shape, constraints, converted};
+use crate::deformation::{Deformation, Handles, Shape, converted};
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 
 /// A mesh and the vertices that are constrained, to be deformed again and again.
 ///
 /// Every deformation starts from the last one, and what the linear systems have in common is
-/// worked out once.
+/// worked out once. A copy, and one that was pickled, go on from there, too.
 ///
 /// Parameters
 /// ----------
 /// mesh : Mesh
-/// indices : (K,) array of integers
-///     The constrained vertices.
+/// indices : (K,) array of integers, or (V,) array of bools
+///     The constrained vertices; or True for each of them.
 /// weights : (K,) array, optional
 ///     In (0, 1]: 1, the default, is exact; less is a spring. A patch of area a that hangs on a
 ///     cut of length p stays behind by about (1 - w) / w * p / sqrt(area) * area / (100 a) of the
@@ -37,8 +44,11 @@ use crate::parameters;
 ///     left to move, or softness is negative.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Deformer {
-    inner: Arc<Mutex<deformation::Deformer>>,
+    inner: Arc<Owned>,
     shape: Arc<Shape>,
+    mesh: Py<Mesh>,
+    handles: Handles,
+    softness: f64,
 }
 
 #[pymethods]
@@ -46,23 +56,13 @@ impl Deformer {
     #[new]
     #[pyo3(signature = (mesh, indices, weights = None, softness = 0.0))]
     fn new(
-        py: Python<'_>,
-        mesh: &Mesh,
+        mesh: Bound<'_, Mesh>,
         indices: &Bound<'_, PyAny>,
         weights: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = parameters::softness)] softness: f64,
     ) -> Result<Self, Failure> {
-        let constraints = constraints(mesh, indices, weights)?;
-        let shape = Arc::new(Shape::new(mesh, &constraints));
-        let mesh = &mesh.inner;
-        let inner = guarded(py, || {
-            let monitor = Monitor::new();
-            deformation::Deformer::new(mesh, constraints, softness, monitor.whole())
-        })?;
-        Ok(Self {
-            inner: Arc::new(Mutex::new(inner)),
-            shape,
-        })
+        let handles = Handles::new(mesh.get(), indices, weights)?;
+        Self::with(mesh, handles, softness, None)
     }
 
     /// Follow handles to new targets by a linear solution that starts from the last shape, and a
@@ -86,9 +86,10 @@ impl Deformer {
     ///     If targets are of the wrong shape, not finite, or two exact ones of a vertex differ.
     fn drag(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> Result<Deformation, Failure> {
         let targets = arrays::positions("targets", targets)?;
-        guarded(py, || {
-            let inner = lock(&self.inner).drag(&targets)?;
-            Ok(self.shape.deformed(inner))
+        let deformer = self.inner.take(py)?;
+        guarded(py, |_| {
+            let solution = deformer.get().drag(&targets)?;
+            Ok(self.shape.deformed(solution))
         })
     }
 
@@ -178,26 +179,96 @@ impl Deformer {
     ) -> Result<Job, Failure> {
         Ok(Job::new(self.task(targets, tolerance, converted)?))
     }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// Another one, that goes on from the same shape.
+    fn __copy__(&self, py: Python<'_>) -> Result<Self, Failure> {
+        let state = self.state(py)?;
+        let mesh = self.mesh.bind(py).clone();
+        Self::with(mesh, self.handles.clone(), self.softness, Some(state))
+    }
+
+    /// Another one, that goes on from the same shape.
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> Result<Self, Failure> {
+        self.__copy__(py)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Deformer({} constraints on {} vertices)",
+            self.handles.indices.len(),
+            self.mesh.get().inner.vertex_count()
+        )
+    }
 }
 
+/// The last displacement, and whether there is none yet.
+type State = (Array2<f64>, bool);
+
 impl Deformer {
+    /// One that goes on from a state, or from rest.
+    fn with(
+        mesh: Bound<'_, Mesh>,
+        handles: Handles,
+        softness: f64,
+        state: Option<State>,
+    ) -> Result<Self, Failure> {
+        let py = mesh.py();
+        let constraints = handles.constraints(py, mesh.get())?;
+        let shape = Arc::new(Shape::new(mesh.get(), &constraints));
+        let surface = &mesh.get().inner;
+        let inner = guarded(py, |stage| {
+            let mut inner = deformation::Deformer::new(surface, constraints, softness, stage)?;
+            if let Some((displacement, is_at_rest)) = state {
+                inner.set_state(displacement, is_at_rest)?;
+            }
+            Ok(inner)
+        })?;
+        Ok(Self {
+            inner: Arc::new(Owned::new(inner)),
+            shape,
+            mesh: mesh.unbind(),
+            handles,
+            softness,
+        })
+    }
+
+    /// Where it is, once the work on it has ended.
+    fn state(&self, py: Python<'_>) -> Result<State, Failure> {
+        let deformer = self.inner.take(py)?;
+        guarded(py, |stage| {
+            let deformer = deformer.get();
+            let (displacement, is_at_rest) = deformer.state();
+            let vertices = displacement.ncols() as u64;
+            let what = "a copy of a deformer's state";
+            stage.claim(needs::functions(3, vertices), what, "free some memory")?;
+            Ok((displacement.clone(), is_at_rest))
+        })
+    }
+
     fn sequence_task<T: Send + 'static>(
         &self,
         targets: &[Bound<'_, PyAny>],
         tolerance: f64,
         wrap: impl FnOnce(Vec<Deformation>) -> T + Send + 'static,
     ) -> Result<Task<T>, Failure> {
+        self.inner.check()?;
         let positions = targets.iter().map(|t| arrays::positions("targets", t));
-        let sequence = positions.collect::<PyResult<Vec<_>>>()?;
+        let sequence = positions.collect::<Result<Vec<_>, _>>()?;
         let (inner, shape) = (Arc::clone(&self.inner), Arc::clone(&self.shape));
-        Ok(Task::start(move |monitor| {
+        Task::start(move |monitor| {
             let stage = monitor.whole();
-            let solutions = lock(&inner).solve_sequence(&sequence, tolerance, stage)?;
+            let deformer = inner.take_for(stage)?;
+            let solutions = deformer.get().solve_sequence(&sequence, tolerance, stage)?;
+            drop(deformer);
             let deformed = solutions
                 .into_iter()
                 .map(|solution| shape.deformed(solution));
             Ok(wrap(deformed.collect()))
-        })?)
+        })
     }
 
     fn task<T: Send + 'static>(
@@ -206,16 +277,129 @@ impl Deformer {
         tolerance: f64,
         wrap: impl FnOnce(Deformation) -> T + Send + 'static,
     ) -> Result<Task<T>, Failure> {
+        self.inner.check()?;
         let targets = arrays::positions("targets", targets)?;
         let (inner, shape) = (Arc::clone(&self.inner), Arc::clone(&self.shape));
-        Ok(Task::start(move |monitor| {
-            let solution = lock(&inner).solve(&targets, tolerance, monitor.whole())?;
+        Task::start(move |monitor| {
+            let stage = monitor.whole();
+            let deformer = inner.take_for(stage)?;
+            let solution = deformer.get().solve(&targets, tolerance, stage)?;
+            drop(deformer);
             Ok(wrap(shape.deformed(solution)))
-        })?)
+        })
     }
 }
 
-/// A panic leaves a deformer in a state that the next solution overwrites.
-fn lock(deformer: &Mutex<deformation::Deformer>) -> MutexGuard<'_, deformation::Deformer> {
-    deformer.lock().unwrap_or_else(PoisonError::into_inner)
+impl Pickled for Deformer {
+    const NAME: &'static str = "Deformer";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        let (displacement, is_at_rest) = self.state(parts.py())?;
+        parts.value("mesh", &self.mesh)?;
+        parts.list("indices", &self.handles.indices)?;
+        match &self.handles.weights {
+            Some(weights) => parts.list("weights", weights)?,
+            None => parts.value("weights", None::<()>)?,
+        }
+        parts.value("softness", self.softness)?;
+        parts.matrix("displacement", displacement.view())?;
+        parts.value("is_at_rest", is_at_rest)
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let weights = match parts.optional("weights")? {
+            Some(weights) => Some(arrays::list("weights", &weights)?),
+            None => None,
+        };
+        let handles = Handles {
+            indices: parts.indices("indices")?,
+            weights,
+        };
+        let state = (parts.matrix("displacement")?, parts.value("is_at_rest")?);
+        let mesh = parts
+            .get("mesh")?
+            .cast_into::<Mesh>()
+            .map_err(PyErr::from)?;
+        Self::with(mesh, handles, parts.value("softness")?, Some(state))
+    }
+}
+
+/// A deformer, and the process whose thread is at work on it.
+///
+/// A fork copies a lock that another thread holds, but not the thread: nobody would ever unlock it.
+struct Owned {
+    /// 0 for nobody.
+    owner: AtomicU32,
+    deformer: Mutex<deformation::Deformer>,
+}
+
+/// How often to look whether other work has ended.
+const POLL: Duration = Duration::from_millis(1);
+
+impl Owned {
+    fn new(deformer: deformation::Deformer) -> Self {
+        Self {
+            owner: AtomicU32::new(0),
+            deformer: Mutex::new(deformer),
+        }
+    }
+
+    /// Refuses where work on it is in another process, and will not end in this one.
+    fn check(&self) -> PyResult<()> {
+        let owner = self.owner.load(Ordering::Acquire);
+        match owner == 0 || owner == process::id() {
+            true => Ok(()),
+            false => Err(PyRuntimeError::new_err(format!(
+                "process {owner}, of which this one is a fork, was at work on this Deformer at the \
+                 time; make a new one here"
+            ))),
+        }
+    }
+
+    /// Takes it unless other work has.
+    fn try_take(&self) -> Option<Taken<'_>> {
+        let (from, to) = (Ordering::AcqRel, Ordering::Relaxed);
+        let taken = self.owner.compare_exchange(0, process::id(), from, to);
+        taken.is_ok().then_some(Taken(self))
+    }
+
+    /// Takes it once other work has ended; Ctrl-C ends the wait.
+    fn take(&self, py: Python<'_>) -> PyResult<Taken<'_>> {
+        loop {
+            self.check()?;
+            if let Some(taken) = self.try_take() {
+                return Ok(taken);
+            }
+            py.check_signals()?;
+            py.detach(|| thread::sleep(POLL));
+        }
+    }
+
+    /// The same for a job.
+    fn take_for(&self, stage: Stage) -> spectral_tv::Result<Taken<'_>> {
+        loop {
+            if let Some(taken) = self.try_take() {
+                return Ok(taken);
+            }
+            stage.check()?;
+            thread::sleep(POLL);
+        }
+    }
+}
+
+/// A deformer that nobody else is at work on, until this is dropped.
+struct Taken<'a>(&'a Owned);
+
+impl Taken<'_> {
+    fn get(&self) -> MutexGuard<'_, deformation::Deformer> {
+        // A panic leaves it in a state that the next solution overwrites.
+        let deformer = self.0.deformer.lock();
+        deformer.unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Taken<'_> {
+    fn drop(&mut self) {
+        self.0.owner.store(0, Ordering::Release);
+    }
 }

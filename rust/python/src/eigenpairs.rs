@@ -56,6 +56,6 @@ pub fn eigenpairs<'py>(
         Eigenpairs::lowest(&mesh, &operators, count, monitor.whole())
     })?;
     let pairs = task.wait(py, progress)?;
-    let functions = arrays::per_vertex(py, &pairs.eigenfunctions);
+    let functions = arrays::per_vertex(py, pairs.eigenfunctions.view())?;
     Ok((pairs.eigenvalues.into_pyarray(py), functions))
 }

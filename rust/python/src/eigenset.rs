@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray1};
+use numpy::PyArray1;
 use pyo3::prelude::*;
-use spectral_tv::eigenset;
+use spectral_tv::{Error, eigenset};
 
 use crate::arrays;
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 
 /// What a set C of vertices looks like as an eigenset, found by `eigenset_test`.
 #[pyclass(frozen, module = "spectral_tv")]
@@ -59,15 +60,15 @@ impl EigensetTest {
 
     /// Times of the flow, (N+1,), length.
     #[getter]
-    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.times.clone().into_pyarray(py)
+    fn times<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, &self.inner.times)
     }
 
     /// The mean on C of ψ = 1 on C, −|C|/|M∖C| off it, at these times, (N+1,): max(1 − λt, 0) for
     /// an eigenset.
     #[getter]
-    fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.values.clone().into_pyarray(py)
+    fn values<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, &self.inner.values)
     }
 
     /// The least per(D)/|M∖D| over the supersets D of C that were tried, relative to
@@ -79,8 +80,8 @@ impl EigensetTest {
 
     /// The superset that has this ratio, (V,) bool.
     #[getter]
-    fn superset<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        self.inner.superset.clone().into_pyarray(py)
+    fn superset<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<bool>>, Failure> {
+        arrays::array_of(py, &self.inner.superset)
     }
 
     /// Whether C is a locally minimal perimeter set as far as was tried: the ratio is at least
@@ -97,6 +98,20 @@ impl EigensetTest {
         self.inner.is_eigenset()
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The result itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The result itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "EigensetTest(eigenvalue {:.5e}, rate {:.5e}, straightness {:.5}, spread {:.3}, \
@@ -107,6 +122,40 @@ impl EigensetTest {
             self.inner.spread,
             self.inner.perimeter_ratio
         )
+    }
+}
+
+impl Pickled for EigensetTest {
+    const NAME: &'static str = "EigensetTest";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        parts.value("area", self.inner.area)?;
+        parts.value("perimeter", self.inner.perimeter)?;
+        parts.value("rate", self.inner.rate)?;
+        parts.value("straightness", self.inner.straightness)?;
+        parts.value("spread", self.inner.spread)?;
+        parts.list("times", &self.inner.times)?;
+        parts.list("values", &self.inner.values)?;
+        parts.value("perimeter_ratio", self.inner.perimeter_ratio)?;
+        parts.list("superset", &self.inner.superset)
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let inner = eigenset::EigensetTest {
+            area: parts.value("area")?,
+            perimeter: parts.value("perimeter")?,
+            rate: parts.value("rate")?,
+            straightness: parts.value("straightness")?,
+            spread: parts.value("spread")?,
+            times: parts.list("times")?,
+            values: parts.list("values")?,
+            perimeter_ratio: parts.value("perimeter_ratio")?,
+            superset: arrays::truth("superset", &parts.get("superset")?)?,
+        };
+        match inner.times.len() == inner.values.len() {
+            true => Ok(Self { inner }),
+            false => Err(Error::Argument("there must be a value at each time".into()).into()),
+        }
     }
 }
 
@@ -123,7 +172,8 @@ impl EigensetTest {
 /// mesh : Mesh
 ///     Components wholly in the set or wholly outside are left out.
 /// members : (V,) array of bools or of floats, or (K,) array of integers
-///     The set: True or 0.5 and more for its vertices; or their indices.
+///     The set: True or 0.5 and more for its vertices; or their indices, each once. Integers that
+///     are 0 or 1 at every vertex are taken as truth values.
 /// progress : callable, optional
 ///     Called with the fraction done; an exception it raises ends the work.
 ///
@@ -134,7 +184,7 @@ impl EigensetTest {
 /// Raises
 /// ------
 /// MeshError
-///     If the members are not of this mesh, or the set has no boundary.
+///     If the members are not of this mesh, or name one vertex twice, or the set has no boundary.
 #[pyfunction]
 #[pyo3(signature = (mesh, members, progress = None))]
 pub fn eigenset_test(
@@ -162,7 +212,5 @@ fn start<T: Send + 'static>(
 ) -> Result<Task<T>, Failure> {
     let set = arrays::set("members", members, mesh.inner.vertex_count())?;
     let mesh = Arc::clone(&mesh.inner);
-    Ok(Task::start(move |monitor| {
-        eigenset::eigenset_test(&mesh, &set, monitor.whole()).map(wrap)
-    })?)
+    Task::start(move |monitor| eigenset::eigenset_test(&mesh, &set, monitor.whole()).map(wrap))
 }

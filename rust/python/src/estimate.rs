@@ -9,6 +9,7 @@ use crate::error::Failure;
 use crate::job::guarded;
 use crate::mesh::Mesh;
 use crate::parameters;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 use crate::settings::Request;
 
 /// What a decomposition takes, told by `estimate`.
@@ -27,8 +28,9 @@ impl Estimate {
         self.bytes
     }
 
-    /// Memory that this process could take when this was estimated; None where the system does not
-    /// tell, which is anywhere but on Linux.
+    /// Memory that this process could take when this was estimated: what is free, and what the
+    /// limits of a container, a cluster's job or the process leave. None where the system does not
+    /// tell.
     #[getter]
     fn available(&self) -> Option<u64> {
         self.available
@@ -47,8 +49,41 @@ impl Estimate {
         self.seconds
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The estimate itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The estimate itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
+    }
+
     fn __repr__(&self) -> String {
         format!("Estimate({} bytes, {:.1} s)", self.bytes, self.seconds)
+    }
+}
+
+impl Pickled for Estimate {
+    const NAME: &'static str = "Estimate";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        parts.value("bytes", self.bytes)?;
+        parts.value("available", self.available)?;
+        parts.value("seconds", self.seconds)
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let available = parts.optional("available")?;
+        Ok(Self {
+            bytes: parts.value("bytes")?,
+            available: available.map(|bytes| bytes.extract()).transpose()?,
+            seconds: parts.value("seconds")?,
+        })
     }
 }
 
@@ -113,7 +148,7 @@ pub fn estimate(
     };
     let settings = request.settings()?;
     let (vertices, triangles) = size(mesh)?;
-    let seconds = guarded(py, || {
+    let seconds = guarded(py, |_| {
         decomposition_duration(vertices, triangles, &settings)
     })?;
     Ok(Estimate {

@@ -4,6 +4,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use spectral_tv::mesh;
 
+use crate::error::Failure;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
+
 /// Counts of what was found in a mesh, and done about it; `Mesh.findings` are those of one.
 ///
 /// They are true if anything was done; as a string they say what, in one line.
@@ -72,6 +75,20 @@ impl Findings {
         Ok(counts)
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The findings themselves: nothing can change them.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The findings themselves.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
+    }
+
     fn __bool__(&self) -> bool {
         self.inner.is_repaired()
     }
@@ -84,5 +101,29 @@ impl Findings {
         let counts = self.inner.counts();
         let counts = counts.map(|(name, count)| format!("{name}={count}"));
         format!("Findings({})", counts.join(", "))
+    }
+}
+
+impl Pickled for Findings {
+    const NAME: &'static str = "Findings";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        let mut counts = self.inner.counts().into_iter();
+        counts.try_for_each(|(name, count)| parts.value(name, count))
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        Ok(Self {
+            inner: mesh::Findings {
+                border_corners: parts.value("border_corners")?,
+                joined_corners: parts.value("joined_corners")?,
+                closed_junctions: parts.value("closed_junctions")?,
+                dropped_vertices: parts.value("dropped_vertices")?,
+                dropped_triangles: parts.value("dropped_triangles")?,
+                open_edges_before: parts.value("open_edges_before")?,
+                open_edges: parts.value("open_edges")?,
+                components: parts.value("components")?,
+            },
+        })
     }
 }

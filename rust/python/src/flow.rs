@@ -1,15 +1,20 @@
 //! The class `Flow`: the states of a flow, and their spectral transform.
 
-use ndarray::Array3;
+use ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use spectral_tv::monitor::Monitor;
+use pyo3::types::PyList;
+use spectral_tv::flow::{Increment, Trajectory};
+use spectral_tv::memory::needs;
+use spectral_tv::monitor::Stage;
 use spectral_tv::spectral::{SpectralTransform, even_edges};
+use spectral_tv::{Error, memory};
 
 use crate::arrays;
 use crate::error::Failure;
 use crate::job::{Task, guarded};
 use crate::parameters;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 use crate::settings::gains as parse_gains;
 
 /// A flow sampled at N + 1 times, made by `flow` or `decompose_image`, or found in
@@ -62,10 +67,10 @@ impl Flow {
     fn per_vertex<'py>(
         &self,
         py: Python<'py>,
-        values: &ndarray::Array2<f64>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let array = arrays::per_vertex(py, values);
-        self.arranged(array.into_any(), &[], values.nrows())
+        values: &Array2<f64>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let array = arrays::per_vertex(py, values.view())?;
+        Ok(self.arranged(array.into_any(), &[], values.nrows())?)
     }
 
     /// (K, V, C), or (K, V).
@@ -79,8 +84,8 @@ impl Flow {
 impl Flow {
     /// t₀ = 0 < t₁ < … < t_N, (N+1,), length² for shapes.
     #[getter]
-    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.transform.times().to_vec().into_pyarray(py)
+    fn times<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, self.transform.times())
     }
 
     /// u(t_k), (N+1, V, C); (N+1, V) if the values were given as (V,).
@@ -97,32 +102,35 @@ impl Flow {
 
     /// TV(u(t_k)), (N+1,), unit of the values × length.
     #[getter]
-    fn total_variation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let trajectory = self.transform.trajectory();
-        trajectory.total_variation.clone().into_pyarray(py)
+    fn total_variation<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, &self.transform.trajectory().total_variation)
     }
 
     /// Duality gap of each step as a proximal step of TV, relative to Δt TV at its start, (N,);
     /// 0 for linear flows, and once nothing is left to decay.
     #[getter]
-    fn gap<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.transform.trajectory().gaps.clone().into_pyarray(py)
+    fn gap<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, &self.transform.trajectory().gaps)
     }
 
     /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N−1, (N−1,), unit of the values × length².
     #[getter]
     fn spectrum<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
-        let spectrum = guarded(py, || {
-            let monitor = Monitor::new();
-            self.transform.spectrum(&self.masses, monitor.whole())
+        let spectrum = guarded(py, |stage| {
+            claim_functions(&self.transform, stage)?;
+            self.transform.spectrum(&self.masses, stage)
         });
         Ok(spectrum?.into_pyarray(py))
     }
 
     /// What is left of the values once every component is removed, (V, C).
     #[getter]
-    fn residual<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.per_vertex(py, &self.transform.residual())
+    fn residual<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        let residual = guarded(py, |stage| {
+            claim_functions(&self.transform, stage)?;
+            Ok(self.transform.residual())
+        })?;
+        self.per_vertex(py, &residual)
     }
 
     /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
@@ -186,8 +194,11 @@ impl Flow {
         gains: &Bound<'py, PyAny>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let gains = parse_gains(gains, self.transform.component_times())?;
-        let values = guarded(py, || self.transform.filter(&gains))?;
-        Ok(self.per_vertex(py, &values)?)
+        let values = guarded(py, |stage| {
+            claim_functions(&self.transform, stage)?;
+            self.transform.filter(&gains)
+        })?;
+        self.per_vertex(py, &values)
     }
 
     /// The mean value of a part of the surface at every time, (N+1, C).
@@ -215,13 +226,30 @@ impl Flow {
             }
         };
         let weights = arrays::weights("weights", &weights)?;
-        let means = self.transform.trajectory().mean(&weights, &self.masses)?;
+        let means = guarded(py, |stage| {
+            claim_functions(&self.transform, stage)?;
+            self.transform.trajectory().mean(&weights, &self.masses)
+        })?;
         let nodes = means.nrows();
         let array = means.into_pyarray(py);
         Ok(match self.layout.has_channels {
             true => array.into_any(),
             false => array.reshape([nodes])?.into_any(),
         })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The flow itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The flow itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
     }
 
     fn __repr__(&self) -> String {
@@ -233,4 +261,107 @@ impl Flow {
             trajectory.channel_count()
         )
     }
+}
+
+/// Has short work granted what some functions of the transform's take.
+pub fn claim_functions(transform: &SpectralTransform, stage: Stage) -> spectral_tv::Result<()> {
+    const FUNCTIONS: usize = 8;
+    let trajectory = transform.trajectory();
+    let vertices = trajectory.vertex_count();
+    stage.claim(
+        needs::functions(FUNCTIONS * trajectory.channel_count(), vertices as u64),
+        &format!("a function on {vertices} vertices"),
+        "free some memory",
+    )
+}
+
+impl Pickled for Flow {
+    const NAME: &'static str = "Flow";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        write_trajectory(self.transform.trajectory(), parts)?;
+        parts.list("masses", &self.masses)?;
+        parts.value("places", &self.layout.places)?;
+        parts.value("has_channels", self.layout.has_channels)
+    }
+
+    fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let trajectory = read_trajectory(parts)?;
+        let masses = parts.list("masses")?;
+        let layout = Layout {
+            places: parts.value("places")?,
+            has_channels: parts.value("has_channels")?,
+        };
+        let vertices = layout
+            .places
+            .iter()
+            .try_fold(1, |product: usize, &places| product.checked_mul(places));
+        let is_right = vertices == Some(trajectory.vertex_count())
+            && masses.len() == trajectory.vertex_count()
+            && (layout.has_channels || trajectory.channel_count() == 1)
+            && masses.iter().all(|mass| *mass >= 0.0 && mass.is_finite());
+        match is_right {
+            true => Ok(Self::new(
+                SpectralTransform::new(trajectory),
+                masses,
+                layout,
+            )),
+            false => {
+                let message = "the parts of the flow have shapes that do not go together";
+                Err(Error::Argument(message.into()).into())
+            }
+        }
+    }
+}
+
+/// Writes a flow as it is kept, (C, V) for the first state and each increment.
+pub fn write_trajectory(trajectory: &Trajectory, parts: &Writer<'_>) -> Result<(), Failure> {
+    let py = parts.py();
+    let (increments, mut units) = (PyList::empty(py), Vec::new());
+    for increment in trajectory.increments() {
+        match increment {
+            Increment::Double(values) => {
+                increments.append(arrays::table_of(py, values.view())?)?;
+                units.push(1.0);
+            }
+            Increment::Single { values, unit } => {
+                increments.append(arrays::table_of(py, values.view())?)?;
+                units.push(*unit);
+            }
+        }
+    }
+    parts.list("times", &trajectory.times)?;
+    parts.matrix("initial", trajectory.initial())?;
+    parts.value("increments", increments)?;
+    parts.list("units", &units)?;
+    parts.list("total_variation", &trajectory.total_variation)?;
+    parts.list("gaps", &trajectory.gaps)
+}
+
+/// Reads it; the dtype of an increment tells in which precision it is kept.
+pub fn read_trajectory(parts: &Parts<'_>) -> Result<Trajectory, Failure> {
+    let units = parts.list("units")?;
+    let written: Vec<Bound<'_, PyAny>> = parts.value("increments")?;
+    if units.len() != written.len() {
+        let message = "the parts of the flow have numbers that do not go together";
+        return Err(Error::Argument(message.into()).into());
+    }
+    let mut increments = memory::vector(written.len(), "a flow", "free some memory")?;
+    for (written, &unit) in written.iter().zip(&units) {
+        let size: usize = written.getattr("dtype")?.getattr("itemsize")?.extract()?;
+        increments.push(match size == size_of::<f32>() {
+            true => Increment::Single {
+                values: arrays::matrix("increments", written, "float32")?,
+                unit,
+            },
+            false => Increment::Double(arrays::matrix("increments", written, "float64")?),
+        });
+    }
+    Ok(Trajectory::restored(
+        parts.list("times")?,
+        parts.matrix("initial")?,
+        increments,
+        parts.list("total_variation")?,
+        parts.list("gaps")?,
+    )?)
 }

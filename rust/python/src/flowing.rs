@@ -6,8 +6,8 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 use spectral_tv::Error;
 use spectral_tv::flow::{Heat, Law, TotalVariation, conformal_mean_curvature_flow};
-use spectral_tv::method::run_flow;
-use spectral_tv::monitor::Monitor;
+use spectral_tv::memory::needs;
+use spectral_tv::method::{require_flow, run_flow};
 use spectral_tv::operators::{self, Discretization};
 use spectral_tv::spectral::SpectralTransform;
 
@@ -152,8 +152,10 @@ fn start<T: Send + 'static>(
         }
     };
     let mesh = Arc::clone(&mesh.inner);
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         let stage = monitor.whole();
+        let size = needs::Size::of(&mesh);
+        require_flow(size, scheme, values.dim(), &times, solver, stage)?;
         let operators = Discretization::new(&mesh, stage)?;
         let law: Box<dyn Law> = match is_tv {
             true => Box::new(TotalVariation::starting_at(&operators, values.view())?),
@@ -170,7 +172,7 @@ fn start<T: Send + 'static>(
             operators.masses().to_vec(),
             layout,
         )))
-    })?)
+    })
 }
 
 /// Conformalized mean curvature flow (Kazhdan, Solomon and Ben-Chen 2012), neither rescaled nor
@@ -214,7 +216,7 @@ pub fn conformal_flow<'py>(
         let operators = Discretization::new(&mesh, stage)?;
         conformal_mean_curvature_flow(&mesh, &operators, time, steps, solver, stage)
     })?;
-    Ok(arrays::per_vertex(py, &task.wait(py, progress)?))
+    arrays::per_vertex(py, task.wait(py, progress)?.view())
 }
 
 /// Total variation of a function on the mesh: Σ_f A_f |∇u|_f, over all channels together
@@ -242,8 +244,8 @@ pub fn total_variation(
 ) -> Result<f64, Failure> {
     let (values, _) = arrays::channels("values", values)?;
     let mesh = &mesh.inner;
-    guarded(py, || {
-        let operators = Discretization::new(mesh, Monitor::new().whole())?;
+    guarded(py, |stage| {
+        let operators = Discretization::new(mesh, stage)?;
         operators.check_values(values.view())?;
         Ok(operators::total_variation(
             operators.gradient(),

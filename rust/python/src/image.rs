@@ -138,8 +138,7 @@ fn parse_metric(metric: &str, height: f64) -> Result<Metric, Failure> {
 }
 
 fn read_times(times: Option<Bound<'_, PyAny>>) -> Result<Option<Vec<f64>>, Failure> {
-    let list = times.map(|times| arrays::list("times", &times));
-    Ok(list.transpose()?)
+    times.map(|times| arrays::list("times", &times)).transpose()
 }
 
 /// Starts the work in a thread; `wrap` makes of its result what the thread hands over.
@@ -154,12 +153,12 @@ fn start<T: Send + 'static>(
         rows,
         columns,
     };
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         let (flow, areas) = image::decompose_image(&image, &settings, monitor.whole())?;
         let layout = Layout {
             places: vec![rows, columns],
             has_channels,
         };
         Ok(wrap(Flow::new(SpectralTransform::new(flow), areas, layout)))
-    })?)
+    })
 }

@@ -1,18 +1,19 @@
 //! Work in a thread of its own, which never touches Python, and the class `Job` to poll it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use std::{mem, process, thread};
 
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
-use rayon::ThreadPoolBuilder;
-use spectral_tv::monitor::Monitor;
+use spectral_tv::Error;
+use spectral_tv::monitor::{Monitor, Stage};
+use spectral_tv_system::give_back;
 
 use crate::error::Failure;
-use crate::heap;
+use crate::threads::{by_itself, threads, together};
 
 /// Work that takes longer may have taken much memory.
 const LONG: Duration = Duration::from_millis(500);
@@ -20,103 +21,160 @@ const LONG: Duration = Duration::from_millis(500);
 /// How often a waiting call looks for Ctrl-C and reports progress.
 const POLL: Duration = Duration::from_millis(30);
 
-/// What a thread sends when it is done; the outer error is a panic's message.
+/// What a thread leaves when it is done; the outer error is a panic's message.
 type Outcome<T> = Result<spectral_tv::Result<T>, String>;
+
+/// Where a thread leaves its outcome, to be taken once.
+struct Outbox<T> {
+    outcome: Mutex<Option<Outcome<T>>>,
+    is_filled: AtomicBool,
+    filled: Condvar,
+}
 
 /// Work that runs in a thread.
 pub struct Task<T> {
     monitor: Arc<Monitor>,
-    outcome: Mutex<Receiver<Outcome<T>>>,
+    outbox: Arc<Outbox<T>>,
+    /// The process that has the thread; not another that was forked from it.
+    process: u32,
 }
 
 impl<T: Send + 'static> Task<T> {
     /// Starts `work`.
     pub fn start(
         work: impl FnOnce(&Monitor) -> spectral_tv::Result<T> + Send + 'static,
-    ) -> PyResult<Self> {
+    ) -> Result<Self, Failure> {
+        let count = threads()?;
         let monitor = Arc::new(Monitor::new());
-        let (sender, outcome) = channel();
-        let watched = Arc::clone(&monitor);
-        thread::Builder::new()
+        let outbox = Arc::new(Outbox {
+            outcome: Mutex::new(None),
+            is_filled: AtomicBool::new(false),
+            filled: Condvar::new(),
+        });
+        let (watched, leave) = (Arc::clone(&monitor), Arc::clone(&outbox));
+        let spawned = thread::Builder::new()
             .name("spectral_tv".into())
             .spawn(move || {
                 let started = Instant::now();
-                let result = catch_unwind(AssertUnwindSafe(|| by_itself(|| work(&watched))));
-                // Nobody may be waiting any more; the result is then dropped.
-                let _ = sender.send(result.map_err(|panic| panic_message(&*panic)));
+                let work = || by_itself(count, || work(&watched));
+                let outcome = catch_unwind(AssertUnwindSafe(work));
+                watched.end();
+                // Nobody may be waiting any more; the outcome is then dropped.
+                leave.fill(outcome.map_err(|panic| panic_message(&*panic)));
+                drop(leave);
                 if started.elapsed() > LONG {
-                    heap::give_back();
+                    give_back();
                 }
-            })?;
+            });
+        if let Err(error) = spawned {
+            let message = format!("the system gives no thread for the work: {error}");
+            return Err(Error::Memory(message).into());
+        }
         Ok(Self {
             monitor,
-            outcome: Mutex::new(outcome),
+            outbox,
+            process: process::id(),
         })
     }
 
     /// Waits without the GIL; `progress` is called with the fraction done. A signal such as
     /// Ctrl-C or an exception from `progress` cancels the work and is passed on.
     pub fn wait(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<T, Failure> {
+        match self.poll(py, progress, |timeout| self.receive(timeout)) {
+            Ok(outcome) => {
+                let result = finish(outcome)?;
+                tell(progress, 1.0)?;
+                Ok(result)
+            }
+            Err(interruption) => {
+                self.monitor.cancel();
+                // The thread ends at its next check; what it made is dropped.
+                while let Ok(None) = py.detach(|| self.receive(POLL)) {}
+                Err(interruption)
+            }
+        }
+    }
+
+    /// Looks without the GIL until there is something; meanwhile tells `progress` the fraction done.
+    fn poll<U: Send>(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        look: impl Fn(Duration) -> Result<Option<U>, Missing> + Sync,
+    ) -> Result<U, Failure> {
         if let Some(progress) = progress.filter(|progress| !progress.is_callable()) {
-            self.monitor.cancel();
             let message = format!("progress must be callable, not {}", progress.repr()?);
             return Err(PyTypeError::new_err(message).into());
         }
         loop {
-            let outcome = py.detach(|| self.receive(POLL));
-            if let Some(outcome) = outcome {
-                let result = finish(outcome)?;
-                if let Some(progress) = progress {
-                    progress.call1((1.0,))?;
-                }
-                return Ok(result);
+            if let Some(found) = py.detach(|| look(POLL))? {
+                return Ok(found);
             }
-            let interruption = py.check_signals().and_then(|()| match progress {
-                Some(progress) => progress.call1((self.monitor.fraction(),)).map(drop),
-                None => Ok(()),
-            });
-            if let Err(interruption) = interruption {
-                self.monitor.cancel();
-                // The thread ends at its next check; what it made is dropped.
-                while py.detach(|| self.receive(POLL)).is_none() {}
-                return Err(interruption.into());
-            }
+            py.check_signals()?;
+            tell(progress, self.monitor.fraction())?;
         }
     }
 
     /// The outcome, if it comes within `timeout`; it is handed out once. Who cancels does not wait
     /// for the thread to free what it took.
-    fn receive(&self, timeout: Duration) -> Option<Outcome<T>> {
-        let receiver = self.outcome.lock().unwrap_or_else(PoisonError::into_inner);
-        match receiver.recv_timeout(timeout) {
-            Ok(outcome) => Some(outcome),
-            Err(RecvTimeoutError::Timeout) if self.monitor.has_stopped() => {
-                Some(Ok(Err(spectral_tv::Error::Cancelled)))
-            }
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => Some(Err("the result was taken before".into())),
+    fn receive(&self, timeout: Duration) -> Result<Option<Outcome<T>>, Missing> {
+        let outbox = &*self.outbox;
+        if self.process != process::id() {
+            // Locks of the thread that is missing are not waited for.
+            let is_filled = outbox.is_filled.load(Ordering::Acquire);
+            let outcome = is_filled.then(|| outbox.outcome.try_lock().ok()?.take());
+            return outcome.flatten().map(Some).ok_or(Missing(self.process));
         }
+        let outcome = outbox
+            .outcome
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let waited = outbox
+            .filled
+            .wait_timeout_while(outcome, timeout, |outcome| outcome.is_none());
+        let (mut outcome, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        Ok(match outcome.take() {
+            None if self.monitor.has_stopped() => Some(Ok(Err(Error::Cancelled))),
+            outcome => outcome,
+        })
     }
 }
 
-/// Does `work` on threads of its own. In a pool that works share, a thread that waits for a part of
-/// one takes up another from its start, and the first could not even be cancelled until that ends.
-/// All that is not shared out runs on one of them: another's allocator would not have what M3's
-/// base, for one, has freed for its flow.
-fn by_itself<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    let pool = ThreadPoolBuilder::new().thread_name(|_| "spectral_tv".into());
-    match pool.build() {
-        Ok(pool) => pool.install(work),
-        // The system gives no more threads; the shared ones still do.
-        Err(_) => work(),
+fn tell(progress: Option<&Bound<'_, PyAny>>, fraction: f64) -> PyResult<()> {
+    match progress {
+        Some(progress) => progress.call1((fraction,)).map(drop),
+        None => Ok(()),
+    }
+}
+
+impl<T> Outbox<T> {
+    fn fill(&self, outcome: Outcome<T>) {
+        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
+        self.is_filled.store(true, Ordering::Release);
+        self.filled.notify_all();
+    }
+}
+
+/// The thread is in another process, of this number: a fork copies none.
+struct Missing(u32);
+
+impl From<Missing> for Failure {
+    fn from(Missing(process): Missing) -> Self {
+        let message = format!(
+            "the work was started in process {process}, of which this one is a fork, and goes on \
+             there alone: start it anew here"
+        );
+        PyRuntimeError::new_err(message).into()
     }
 }
 
 /// Short work without the GIL, a panic in it turned into an exception as in a [`Task`].
 pub fn guarded<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce() -> spectral_tv::Result<T> + Send,
+    work: impl FnOnce(Stage) -> spectral_tv::Result<T> + Send,
 ) -> Result<T, Failure> {
+    let count = threads()?;
+    let work = || together(count, || work(Monitor::new().whole()));
     let outcome = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
     finish(outcome.map_err(|panic| panic_message(&*panic)))
 }
@@ -143,7 +201,8 @@ pub type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
 /// Long work that runs in a thread of its own.
 ///
 /// Made by the functions whose names begin with `start_`. A job that is no longer referred to
-/// cancels its work.
+/// cancels its work. In a process that was forked from the one that started it, it has the result
+/// if it had it then, and raises RuntimeError if not. It cannot be pickled: its result can.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Job {
     task: Task<Convert>,
@@ -165,20 +224,34 @@ impl Job {
         }
     }
 
-    /// Moves a result that has arrived from the thread to here.
-    fn collect(&self, state: &mut State) {
-        if let State::Running = state
-            && let Some(outcome) = self.task.receive(Duration::ZERO)
-        {
-            *state = match finish(outcome) {
+    /// Moves a result that has arrived from the thread to here; whether the work has ended.
+    fn collect(&self, timeout: Duration) -> Result<bool, Missing> {
+        if matches!(*self.lock()?, State::Running) {
+            let Some(outcome) = self.task.receive(timeout)? else {
+                return Ok(false);
+            };
+            *self.lock()? = match finish(outcome) {
                 Ok(convert) => State::Finished(convert),
                 Err(failure) => State::Failed(failure.into()),
             };
         }
+        Ok(true)
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Puts another state in place of the present one, which it returns.
+    fn exchange(&self, state: State) -> Result<State, Missing> {
+        Ok(mem::replace(&mut *self.lock()?, state))
+    }
+
+    /// Not to be waited for with the GIL, which its holder may want.
+    fn lock(&self) -> Result<MutexGuard<'_, State>, Missing> {
+        match self.task.process == process::id() {
+            true => Ok(self.state.lock().unwrap_or_else(PoisonError::into_inner)),
+            false => self
+                .state
+                .try_lock()
+                .map_err(|_| Missing(self.task.process)),
+        }
     }
 }
 
@@ -186,24 +259,30 @@ impl Job {
 impl Job {
     /// The fraction of the work done, in [0, 1].
     #[getter]
-    fn progress(&self) -> f64 {
-        self.task.monitor.fraction()
+    fn progress(&self, py: Python<'_>) -> Result<f64, Failure> {
+        self.done(py)?;
+        Ok(self.task.monitor.fraction())
     }
 
     /// Whether the work has ended: with a result, an error, or by cancellation.
     #[getter]
-    fn done(&self) -> bool {
-        let mut state = self.lock();
-        self.collect(&mut state);
-        !matches!(*state, State::Running)
+    fn done(&self, py: Python<'_>) -> Result<bool, Failure> {
+        Ok(py.detach(|| self.collect(Duration::ZERO))?)
     }
 
     /// Asks the work to stop; returns at once. Does nothing once it has ended.
-    fn cancel(&self) {
+    fn cancel(&self, py: Python<'_>) -> Result<(), Failure> {
+        self.done(py)?;
         self.task.monitor.cancel();
+        Ok(())
     }
 
     /// Waits for the result and returns it; the same object every time.
+    ///
+    /// Parameters
+    /// ----------
+    /// progress : callable, optional
+    ///     Called with the fraction done. An exception it raises is passed on, and the work goes on.
     ///
     /// Raises
     /// ------
@@ -211,24 +290,43 @@ impl Job {
     ///     If the job was cancelled before it finished.
     /// MeshError
     ///     If the work was refused.
-    fn result(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        while !self.done() {
-            py.detach(|| thread::sleep(Duration::from_millis(1)));
-            py.check_signals()?;
-        }
-        let mut state = self.lock();
-        *state = match std::mem::replace(&mut *state, State::Running) {
-            State::Finished(convert) => match convert(py) {
-                Ok(object) => State::Delivered(object),
-                Err(error) => State::Failed(error),
-            },
-            other => other,
+    /// MemoryError
+    ///     If it took more than is available.
+    #[pyo3(signature = (progress = None))]
+    fn result(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> Result<Py<PyAny>, Failure> {
+        let state = loop {
+            let look = |timeout| Ok(self.collect(timeout)?.then_some(()));
+            self.task.poll(py, progress, look)?;
+            match py.detach(|| self.exchange(State::Running))? {
+                // Another thread is at it.
+                State::Running => {}
+                State::Finished(convert) => match convert(py) {
+                    Ok(object) => break State::Delivered(object),
+                    Err(error) => break State::Failed(error),
+                },
+                state => break state,
+            }
         };
-        match &*state {
+        let result = match &state {
             State::Delivered(object) => Ok(object.clone_ref(py)),
             State::Failed(error) => Err(error.clone_ref(py)),
-            State::Running | State::Finished(_) => unreachable!("done above"),
-        }
+            State::Running | State::Finished(_) => unreachable!("left the loop"),
+        };
+        py.detach(|| self.exchange(state))?;
+        let result = result?;
+        tell(progress, 1.0)?;
+        Ok(result)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Job cannot be pickled or copied: its threads are in this process; take its result(), \
+             or start it where it is wanted",
+        ))
     }
 }
 

@@ -13,19 +13,27 @@ mod estimate;
 mod findings;
 mod flow;
 mod flowing;
-mod heap;
 mod image;
 mod job;
 mod mesh;
 mod parameters;
+mod pickling;
 mod segmentation;
 mod settings;
+mod threads;
 
 use pyo3::prelude::*;
+use spectral_tv::solver::warm_up;
+use spectral_tv_system::{Heap, keep_a_little};
+
+#[global_allocator]
+static HEAP: Heap = Heap;
 
 /// Native part of the package `spectral_tv`.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    keep_a_little();
+    warm_up();
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     error::prepare(py)?;
@@ -65,5 +73,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(settings::default_base_time, module)?)?;
     module.add_function(wrap_pyfunction!(settings::default_scales, module)?)?;
     module.add_function(wrap_pyfunction!(settings::graded_times, module)?)?;
+    module.add_function(wrap_pyfunction!(threads::set_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(threads::threads, module)?)?;
+    module.add_function(wrap_pyfunction!(threads::_use_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(pickling::_restore, module)?)?;
     Ok(())
 }

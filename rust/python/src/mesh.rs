@@ -1,22 +1,23 @@
 //! The class `Mesh`.
 
+use std::ffi::CString;
 use std::sync::Arc;
 
-use std::ffi::CString;
-
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use spectral_tv::Error;
+use spectral_tv::memory::needs;
 use spectral_tv::mesh::{Broken, Repair, TriangleMesh};
-use spectral_tv::operators::positions;
+use spectral_tv::monitor::Stage;
 
 use crate::arrays;
 use crate::error::{Failure, MeshWarning};
 use crate::findings::Findings;
 use crate::job::guarded;
 use crate::parameters::Number;
+use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
 
 /// A triangle mesh with N vertices, checked once.
 ///
@@ -73,8 +74,8 @@ impl Mesh {
         };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let (mesh, doubts) = guarded(py, || {
-            let mesh = TriangleMesh::repaired(vertices, &triangles, &repair)?;
+        let (mesh, doubts) = made(py, vertices, &triangles, |vertices, triangles| {
+            let mesh = TriangleMesh::repaired(vertices, triangles, &repair)?;
             let doubts = mesh.doubts(repair.weld);
             Ok((mesh, doubts))
         })?;
@@ -91,19 +92,16 @@ impl Mesh {
 
     /// Positions, (N, 3); a copy.
     #[getter]
-    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        arrays::per_vertex(py, &positions(&self.inner))
+    fn vertices<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
+        arrays::rows(py, self.inner.vertices().iter().copied())
     }
 
     /// Corners of the triangles, (F, 3) int64; a copy. Triangles that were split are shorter, and
     /// their other parts are behind all others.
     #[getter]
-    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
-        let triangles = self.inner.triangles();
-        ndarray::Array2::from_shape_fn((triangles.len(), 3), |(face, corner)| {
-            i64::from(triangles[face][corner])
-        })
-        .into_pyarray(py)
+    fn triangles<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<i64>>, Failure> {
+        let triangles = self.inner.triangles().iter();
+        arrays::rows(py, triangles.map(|corners| corners.map(i64::from)))
     }
 
     /// Area of the surface, length².
@@ -114,36 +112,59 @@ impl Mesh {
 
     /// Area of each triangle, (F,), length².
     #[getter]
-    fn face_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.face_areas().to_vec().into_pyarray(py)
+    fn face_areas<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, self.inner.face_areas())
     }
 
     /// A third of the area of each vertex's triangles, (N,), length²; 0 in no triangle.
     #[getter]
-    fn vertex_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.vertex_areas().to_vec().into_pyarray(py)
+    fn vertex_areas<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
+        arrays::array_of(py, self.inner.vertex_areas())
     }
 
     /// Which of the N vertices each of those handed in is now, (V,) int64; -1 for one that was
     /// dropped. `values[mesh.weld_map]` are the values of all of them, where none is -1.
     #[getter]
-    fn weld_map<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        let map: Vec<i64> = match self.inner.weld_map() {
-            Some(map) => map
-                .iter()
-                .map(|place| place.map_or(-1, i64::from))
-                .collect(),
-            None => (0..self.inner.vertex_count() as i64).collect(),
-        };
-        map.into_pyarray(py)
+    fn weld_map<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<i64>>, Failure> {
+        match self.inner.weld_map() {
+            Some(map) => {
+                let place = |place: &Option<u32>| place.map_or(-1, i64::from);
+                arrays::collected(py, map.iter().map(place))
+            }
+            None => {
+                let count = self.inner.vertex_count();
+                arrays::collected(py, (0..count).map(|vertex| vertex as i64))
+            }
+        }
     }
 
     /// What was found in the mesh, and done about it.
     #[getter]
-    fn findings(&self, py: Python<'_>) -> Findings {
-        Findings {
-            inner: py.detach(|| *self.inner.findings()),
-        }
+    fn findings(&self, py: Python<'_>) -> Result<Findings, Failure> {
+        Ok(Findings {
+            inner: guarded(py, |stage| {
+                claim(
+                    stage,
+                    self.inner.vertex_count(),
+                    self.inner.triangles().len(),
+                )?;
+                Ok(*self.inner.findings())
+            })?,
+        })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
+        reduced(py, self)
+    }
+
+    /// The mesh itself: nothing can change it.
+    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    /// The mesh itself.
+    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        this
     }
 
     fn __repr__(&self) -> String {
@@ -154,6 +175,78 @@ impl Mesh {
             self.inner.area()
         )
     }
+}
+
+impl Pickled for Mesh {
+    const NAME: &'static str = "Mesh";
+
+    fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
+        let py = parts.py();
+        let vertices = arrays::rows(py, self.inner.vertices().iter().copied())?;
+        parts.value("vertices", vertices)?;
+        let triangles = arrays::rows(py, self.inner.triangles().iter().copied())?;
+        parts.value("triangles", triangles)?;
+        // Where nothing was done, there is nothing to keep of it.
+        let is_as_it_was = self.inner.weld_map().is_none();
+        parts.value(
+            "weld_map",
+            (!is_as_it_was).then(|| self.weld_map(py)).transpose()?,
+        )?;
+        parts.value(
+            "findings",
+            (!is_as_it_was).then(|| self.findings(py)).transpose()?,
+        )
+    }
+
+    fn read(py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
+        let vertices = arrays::positions("vertices", &parts.get("vertices")?)?;
+        let triangles = arrays::index_triples("triangles", &parts.get("triangles")?)?;
+        let weld_map = match parts.optional("weld_map")? {
+            Some(map) => Some(read_weld_map(&arrays::indices("weld_map", &map)?)?),
+            None => None,
+        };
+        let findings = match parts.optional("findings")? {
+            Some(found) => Some(found.cast::<Findings>().map_err(PyErr::from)?.get().inner),
+            None => None,
+        };
+        let mesh = made(py, vertices, &triangles, |vertices, triangles| {
+            TriangleMesh::from_parts(vertices, triangles, weld_map, findings)
+        })?;
+        Ok(Self {
+            inner: Arc::new(mesh),
+        })
+    }
+}
+
+fn read_weld_map(map: &[i64]) -> Result<Vec<Option<u32>>, Failure> {
+    let place = |&place: &i64| match place {
+        -1 => Ok(None),
+        place => u32::try_from(place)
+            .map(Some)
+            .map_err(|_| Error::Argument(format!("weld_map must have places or -1, not {place}"))),
+    };
+    Ok(map.iter().map(place).collect::<Result<_, _>>()?)
+}
+
+/// Makes a mesh, if there is memory for it.
+fn made<T: Send>(
+    py: Python<'_>,
+    vertices: Vec<[f64; 3]>,
+    triangles: &[[i64; 3]],
+    make: impl FnOnce(Vec<[f64; 3]>, &[[i64; 3]]) -> spectral_tv::Result<T> + Send,
+) -> Result<T, Failure> {
+    guarded(py, |stage| {
+        claim(stage, vertices.len(), triangles.len())?;
+        make(vertices, triangles)
+    })
+}
+
+fn claim(stage: Stage, vertices: usize, triangles: usize) -> spectral_tv::Result<()> {
+    stage.claim(
+        needs::mesh(vertices, triangles),
+        &format!("a mesh of {vertices} vertices and {triangles} triangles"),
+        "take a smaller one",
+    )
 }
 
 /// The argument `weld`.

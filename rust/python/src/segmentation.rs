@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray1};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use spectral_tv::segmentation;
 
+use crate::arrays;
 use crate::decomposition::Decomposition;
 use crate::error::Failure;
 use crate::job::{Convert, Job, Task};
@@ -47,7 +48,7 @@ pub fn cosegment<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Vec<Bound<'py, PyArray1<i64>>>, Failure> {
     let labels = start(&decompositions, segments, seed, |labels| labels)?.wait(py, progress)?;
-    Ok(arrays(py, labels))
+    labels_of(py, labels)
 }
 
 /// Start `cosegment` in a thread of its own and return the `Job` at once.
@@ -59,7 +60,12 @@ pub fn start_cosegment(
     #[pyo3(from_py_with = parameters::seed)] seed: u64,
 ) -> Result<Job, Failure> {
     let task = start(&decompositions, segments, seed, |labels| -> Convert {
-        Box::new(move |py| Ok(arrays(py, labels).into_pyobject(py)?.into_any().unbind()))
+        Box::new(move |py| {
+            Ok(labels_of(py, labels)?
+                .into_pyobject(py)?
+                .into_any()
+                .unbind())
+        })
     })?;
     Ok(Job::new(task))
 }
@@ -74,16 +80,14 @@ fn start<T: Send + 'static>(
         .iter()
         .map(|decomposition| Arc::clone(&decomposition.get().inner))
         .collect();
-    Ok(Task::start(move |monitor| {
+    Task::start(move |monitor| {
         let inner: Vec<_> = inner.iter().map(AsRef::as_ref).collect();
         segmentation::cosegment(&inner, segments, seed, monitor.whole()).map(wrap)
-    })?)
+    })
 }
 
-fn arrays(py: Python<'_>, labels: Labels) -> Vec<Bound<'_, PyArray1<i64>>> {
-    let convert = |labels: Vec<usize>| {
-        let labels: Vec<i64> = labels.into_iter().map(|label| label as i64).collect();
-        labels.into_pyarray(py)
-    };
+fn labels_of(py: Python<'_>, labels: Labels) -> Result<Vec<Bound<'_, PyArray1<i64>>>, Failure> {
+    let convert =
+        |labels: Vec<usize>| arrays::collected(py, labels.into_iter().map(|label| label as i64));
     labels.into_iter().map(convert).collect()
 }

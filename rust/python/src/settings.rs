@@ -197,7 +197,7 @@ pub fn graded_times(
     #[pyo3(from_py_with = parameters::largest)] largest: f64,
     #[pyo3(from_py_with = parameters::steps)] steps: usize,
 ) -> Result<Bound<'_, PyArray1<f64>>, Failure> {
-    let times = guarded(py, || method::graded_times(finest, largest, steps))?;
+    let times = guarded(py, |_| method::graded_times(finest, largest, steps))?;
     Ok(times.into_pyarray(py))
 }
 
@@ -230,17 +230,17 @@ pub fn solver(name: &str) -> Result<Solver, Failure> {
 }
 
 /// A filter at the times of the components: its values there, or a function of a time.
-pub fn gains(gains: &Bound<'_, PyAny>, times: &[f64]) -> PyResult<Vec<f64>> {
+pub fn gains(gains: &Bound<'_, PyAny>, times: &[f64]) -> Result<Vec<f64>, Failure> {
     match gains.is_callable() {
-        true => times
-            .iter()
-            .map(|time| gains.call1((*time,))?.extract())
-            .collect(),
+        true => {
+            let gain = |time: &f64| gains.call1((*time,))?.extract();
+            Ok(times.iter().map(gain).collect::<PyResult<_>>()?)
+        }
         false => arrays::list("gains", gains),
     }
 }
 
-fn shape(value: &Bound<'_, PyAny>) -> PyResult<Array2<f64>> {
+fn shape(value: &Bound<'_, PyAny>) -> Result<Array2<f64>, Failure> {
     let rows = arrays::positions("base", value)?;
     Ok(Array2::from_shape_fn((3, rows.len()), |(axis, vertex)| {
         rows[vertex][axis]

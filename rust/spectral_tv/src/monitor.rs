@@ -1,8 +1,12 @@
-//! Progress and cancellation, shared between the thread that works and those that watch.
+//! Progress, cancellation and memory, shared between the thread that works and those that watch.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use spectral_tv_system::{Ration, keep_a_little};
 
 use crate::error::{Error, Result};
+use crate::memory;
 
 /// Steps in which the fraction done is counted.
 const RESOLUTION: f64 = 1e6;
@@ -10,12 +14,32 @@ const RESOLUTION: f64 = 1e6;
 /// Items of a pass that are worked on without a look at the request: less than a millisecond.
 const UNCHECKED: usize = 1 << 14;
 
-/// A fraction of work done and a request to stop; lock-free, so that watching costs nothing.
+/// The least that is set aside for work to end on, in bytes: what threads take that are used once.
+const LEAST_RATION: u64 = 1 << 24;
+
+/// Bytes that need nothing set aside but what is kept for all.
+const SMALL: u64 = 1 << 20;
+
+/// A fraction of work done and a request to stop; lock-free, so that watching costs nothing. And
+/// what memory the work was granted.
 #[derive(Debug, Default)]
 pub struct Monitor {
     fraction: AtomicU32,
     cancelled: AtomicBool,
     stopped: AtomicBool,
+    granted: AtomicU64,
+    /// Whether the work has taken more memory than there is, and goes on by what was set aside.
+    ran_out: Arc<AtomicBool>,
+    claim: Mutex<Option<Claim>>,
+}
+
+/// What work was granted memory for.
+#[derive(Debug)]
+struct Claim {
+    what: String,
+    advice: String,
+    /// Held for as long as the work may take; `None` for little.
+    _ration: Option<Ration>,
 }
 
 impl Monitor {
@@ -34,16 +58,79 @@ impl Monitor {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Refuses to go on once cancelled.
+    /// Refuses to go on once cancelled, or out of memory.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// [`Error::Cancelled`]; [`Error::Memory`] once the system had no more.
     pub fn check(&self) -> Result<()> {
         if self.cancelled.load(Ordering::Relaxed) {
             self.stopped.store(true, Ordering::Relaxed);
             return Err(Error::Cancelled);
         }
+        match self.ran_out.load(Ordering::Relaxed) {
+            true => Err(self.shortage()),
+            false => Ok(()),
+        }
+    }
+
+    #[cold]
+    fn shortage(&self) -> Error {
+        let claim = self.claim.lock().unwrap_or_else(PoisonError::into_inner);
+        let (what, advice) = match &*claim {
+            Some(claim) => (&*claim.what, &*claim.advice),
+            None => ("the work", "take less"),
+        };
+        Error::Memory(format!("{what} took more memory than there is; {advice}"))
+    }
+
+    /// Grants the work `needed` bytes in all: refuses if the system does not promise them, or less
+    /// than what is needed to end where they turn out not to suffice. What was granted before is
+    /// not asked for again. `what` begins the message, `advice` ends it.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub fn claim(&self, needed: u64, what: &str, advice: &str) -> Result<()> {
+        if needed <= self.granted.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        let refusal = || memory::refusal(needed, what, advice);
+        let mut claim = self.claim.lock().unwrap_or_else(PoisonError::into_inner);
+        *claim = None;
+        let ration = match needed {
+            ..SMALL => keep_a_little().then_some(None),
+            // By half as much it gets from anywhere to where it looks whether to go on.
+            _ => {
+                keep_a_little();
+                let bytes = usize::try_from((needed / 2).max(LEAST_RATION)).ok();
+                bytes.and_then(|bytes| Ration::new(bytes, Arc::clone(&self.ran_out)).map(Some))
+            }
+        };
+        let ration = ration.ok_or_else(refusal)?;
+        memory::check_promise(needed, what, advice)?;
+        *claim = Some(Claim {
+            what: what.into(),
+            advice: advice.into(),
+            _ration: ration,
+        });
+        self.granted.store(needed, Ordering::Relaxed);
         Ok(())
+    }
+
+    /// The same, and refuses if fewer are available, however much the system promises.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub fn require(&self, needed: u64, what: &str, advice: &str) -> Result<()> {
+        if needed > self.granted.load(Ordering::Relaxed) {
+            memory::check(needed, what, advice)?;
+        }
+        self.claim(needed, what, advice)
+    }
+
+    /// Gives back what was set aside: the work has ended.
+    pub fn end(&self) {
+        *self.claim.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.granted.store(0, Ordering::Relaxed);
     }
 
     /// Whether the work has seen that it is cancelled: all that it still does is to free what it
@@ -79,7 +166,7 @@ impl Stage<'_> {
     /// Records that `fraction` of this stage is done.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] once the monitor was cancelled.
+    /// As [`Monitor::check`].
     pub fn report(&self, fraction: f64) -> Result<()> {
         let overall = self.from + (self.to - self.from) * fraction.clamp(0.0, 1.0);
         let counted = (overall * RESOLUTION) as u32;
@@ -87,18 +174,34 @@ impl Stage<'_> {
         self.check()
     }
 
-    /// Refuses to go on once cancelled.
+    /// Refuses to go on once cancelled, or out of memory.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// As [`Monitor::check`].
     pub fn check(&self) -> Result<()> {
         self.monitor.check()
+    }
+
+    /// Has the work granted `needed` bytes, if they are available.
+    ///
+    /// # Errors
+    /// As [`Monitor::require`].
+    pub fn require(&self, needed: u64, what: &str, advice: &str) -> Result<()> {
+        self.monitor.require(needed, what, advice)
+    }
+
+    /// Has short work granted `needed` bytes, without a look at how much is available.
+    ///
+    /// # Errors
+    /// As [`Monitor::claim`].
+    pub fn claim(&self, needed: u64, what: &str, advice: &str) -> Result<()> {
+        self.monitor.claim(needed, what, advice)
     }
 
     /// Does `work` on every item, unless cancelled meanwhile: for passes over millions of them.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] once the monitor was cancelled.
+    /// As [`Monitor::check`].
     pub fn for_each<T>(
         &self,
         items: impl IntoIterator<Item = T>,
@@ -141,6 +244,28 @@ mod tests {
         assert!(matches!(outcome, Err(Error::Cancelled)));
         assert!(monitor.has_stopped());
         assert!(done <= 2 * UNCHECKED);
+    }
+
+    #[test]
+    fn work_that_is_granted_memory_ends_where_it_runs_out() {
+        let monitor = Monitor::new();
+        let stage = monitor.whole();
+        let (what, advice) = ("this work", "take less");
+        stage.require(1 << 20, what, advice).unwrap();
+        stage.claim(1 << 10, "less", advice).unwrap();
+        stage.check().unwrap();
+        let refused = [
+            stage.require(1 << 60, what, advice),
+            stage.claim(u64::MAX, what, advice),
+        ];
+        for outcome in refused {
+            assert!(matches!(outcome, Err(Error::Memory(text)) if text.starts_with("this work")));
+        }
+        stage.check().unwrap();
+        monitor.ran_out.store(true, Ordering::Relaxed);
+        let expected = "this work took more memory than there is; take less";
+        assert_eq!(stage.check(), Err(Error::Memory(expected.into())));
+        assert!(!monitor.has_stopped());
     }
 
     #[test]

@@ -4,11 +4,12 @@ use ndarray::Array2;
 
 use crate::deformation::as_rigid_as_possible::as_rigid_as_possible;
 use crate::deformation::constraints::{Constraints, Targets};
-use crate::deformation::deformer::{Deformer, check_memory};
+use crate::deformation::deformer::{Deformer, require};
 use crate::deformation::problem::Problem;
 use crate::deformation::quadratic::{biharmonic, harmonic};
 use crate::deformation::reweighted::reweighted;
 use crate::error::{Error, Result};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
 use crate::monitor::Stage;
@@ -85,7 +86,8 @@ pub fn deform(
             "softness is for the convex algorithm only".into(),
         ));
     }
-    check_memory(mesh)?;
+    let needed = needs::deformation_for_comparison(needs::Size::of(mesh));
+    require(needed, mesh, stage)?;
     let targets = constraints.targets(targets)?;
     let operators = Discretization::new(mesh, stage)?;
     operators.check_gradients(targets.spread())?;

@@ -6,8 +6,8 @@ use crate::deformation::constraints::{Constraints, Targets};
 use crate::deformation::deform::{Deformation, carried};
 use crate::deformation::problem::Problem;
 use crate::deformation::span::Span;
-use crate::error::{Error, Result, has_usable_size};
-use crate::memory::{self, needs};
+use crate::error::{Error, Result, has_usable_size, unusable_values};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
 use crate::monitor::{Monitor, Stage};
@@ -33,6 +33,9 @@ const UNSTRETCHED: f64 = 1e-6;
 const NO_SOFTNESS: f64 = 1e-12;
 /// Progress is shown as nearing the end by this factor an iteration.
 const PROGRESS: f64 = 0.87;
+
+/// For refusals.
+const SMALLER: &str = "take a mesh of fewer vertices";
 
 /// The displacement of least total variation under constraints whose targets may move.
 ///
@@ -73,16 +76,13 @@ impl Handles {
     }
 }
 
-/// Refuses to deform what does not fit into the memory that is available.
+/// Refuses to deform `mesh` if the `needed` bytes are not available.
 ///
 /// # Errors
 /// [`Error::Memory`].
-pub(super) fn check_memory(mesh: &TriangleMesh) -> Result<()> {
-    memory::check(
-        needs::deformation(needs::Size::of(mesh)),
-        &format!("deforming {} vertices", mesh.vertex_count()),
-        "take a mesh of fewer vertices",
-    )
+pub(super) fn require(needed: u64, mesh: &TriangleMesh, stage: Stage) -> Result<()> {
+    let what = format!("deforming {} vertices", mesh.vertex_count());
+    stage.require(needed, &what, SMALLER)
 }
 
 impl Deformer {
@@ -102,7 +102,7 @@ impl Deformer {
                 "softness must be a length, 0 or more, not {softness:?}"
             )));
         }
-        check_memory(mesh)?;
+        require(needs::deformation(needs::Size::of(mesh)), mesh, stage)?;
         let operators = Discretization::new(mesh, stage)?;
         stage.check()?;
         Ok(Self {
@@ -115,6 +115,27 @@ impl Deformer {
                 softness,
             },
         })
+    }
+
+    /// The last displacement, (3, V), before floating pieces were carried; and whether there is none
+    /// yet to start from. Another deformer that is given it goes on alike.
+    pub fn state(&self) -> (&Array2<f64>, bool) {
+        (&self.state, self.is_at_rest)
+    }
+
+    /// Goes on from the state of another deformer of the same mesh and constraints.
+    ///
+    /// # Errors
+    /// If it is not (3, V), or a number is not finite, or beyond 1e100.
+    pub fn set_state(&mut self, state: Array2<f64>, is_at_rest: bool) -> Result<()> {
+        if state.dim() != self.state.dim() || unusable_values(state.view()).is_some() {
+            return Err(Error::Argument(format!(
+                "the state of a deformer must be finite displacements of its {} vertices",
+                self.state.ncols()
+            )));
+        }
+        (self.state, self.is_at_rest) = (state, is_at_rest);
+        Ok(())
     }
 
     /// The optimum for the target `positions` of the constraints, to a duality gap of `tolerance`
@@ -130,6 +151,7 @@ impl Deformer {
         stage: Stage,
     ) -> Result<Deformation> {
         check_tolerance(tolerance)?;
+        self.require(1, stage)?;
         let targets = self.handles.targets(positions)?;
         if targets.radius == 0.0 {
             return Ok(self.carry(&targets));
@@ -170,13 +192,14 @@ impl Deformer {
     /// The optima for a sequence of targets, each starting from the one before.
     ///
     /// # Errors
-    /// As [`Self::solve`].
+    /// As [`Self::solve`]; [`Error::Memory`] at once if all of them do not fit.
     pub fn solve_sequence(
         &mut self,
         sequence: &[Vec<[f64; 3]>],
         tolerance: f64,
         stage: Stage,
     ) -> Result<Vec<Deformation>> {
+        self.require(sequence.len(), stage)?;
         let count = sequence.len() as f64;
         let solve = |(index, positions): (usize, &Vec<[f64; 3]>)| {
             let share = stage.stage(index as f64 / count, (index + 1) as f64 / count);
@@ -194,12 +217,14 @@ impl Deformer {
     /// If there are not as many positions as constraints, one is not finite, two exact ones of a
     /// vertex differ, or a system cannot be solved.
     pub fn drag(&mut self, positions: &[[f64; 3]]) -> Result<Deformation> {
+        let monitor = Monitor::new();
+        let stage = monitor.whole();
+        let needed = needs::solutions(self.size(), 1);
+        stage.claim(needed, "following the handles", SMALLER)?;
         let targets = self.handles.targets(positions)?;
         if targets.radius == 0.0 {
             return Ok(self.carry(&targets));
         }
-        let monitor = Monitor::new();
-        let stage = monitor.whole();
         let gap = self.within_span(&targets, |deformer, targets| {
             let field = deformer.follow(targets, stage)?;
             let mut gap = deformer.gap(targets, 0.0, &field);
@@ -212,6 +237,24 @@ impl Deformer {
             Ok(gap)
         })?;
         Ok(self.deformation(gap, 1))
+    }
+
+    /// Has the work granted what so many solutions take.
+    fn require(&self, count: usize, stage: Stage) -> Result<()> {
+        let vertices = self.state.ncols();
+        let (what, advice) = match count {
+            1 => (format!("deforming {vertices} vertices"), SMALLER),
+            count => (
+                format!("deforming {vertices} vertices {count} times"),
+                "take fewer at a time, or a mesh of fewer vertices",
+            ),
+        };
+        stage.require(needs::solutions(self.size(), count), &what, advice)
+    }
+
+    fn size(&self) -> needs::Size {
+        let faces = self.handles.operators.gradient().face_areas().len();
+        needs::Size::new(self.state.ncols(), faces)
     }
 
     /// Has the state in the coordinates of the span of the targets while `run` is at work.

@@ -7,7 +7,7 @@ use crate::eigenset::perimeter::{Perimeter, mean_edge};
 use crate::eigenset::supersets::{members, supersets};
 use crate::error::{Error, Result};
 use crate::flow::proximal_flow;
-use crate::memory::{self, needs};
+use crate::memory::needs;
 use crate::mesh::{TriangleMesh, connected_components};
 use crate::monitor::Stage;
 use crate::operators::Discretization;
@@ -102,8 +102,10 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
             "the set has no boundary: every part of the mesh is wholly in it or outside".into(),
         ));
     }
-    memory::check(
-        needs::flow(needs::Size::of(mesh), 1, STEPS, false),
+    let size = needs::Size::of(mesh);
+    // Beside the flow, the supersets and what diffuses them.
+    stage.require(
+        needs::flow(size, 1, STEPS, false).saturating_add(needs::solutions(size, 0)),
         &format!("testing a set of {} vertices", set.len()),
         "take a mesh of fewer vertices",
     )?;

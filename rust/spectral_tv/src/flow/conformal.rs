@@ -9,7 +9,7 @@ use crate::error::{Error, Result, has_usable_size};
 use crate::flow::law::Law;
 use crate::flow::recorder::check_steps;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
-use crate::memory::{self, needs};
+use crate::memory::needs;
 use crate::mesh::{TriangleMesh, barycentric_areas};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
@@ -106,7 +106,7 @@ pub fn conformal_mean_curvature_flow(
     }
     check_steps(steps)?;
     let vertices = mesh.vertex_count();
-    memory::check(
+    stage.require(
         needs::flow(
             needs::Size::of(mesh),
             3,

@@ -3,6 +3,8 @@
 use ndarray::parallel::prelude::*;
 use ndarray::{Array2, ArrayView2, Axis, Zip, aview0};
 
+use crate::error::has_usable_size;
+
 /// Vertices that one thread works on at a time.
 const CHUNK: usize = 1 << 13;
 
@@ -18,9 +20,12 @@ pub(super) enum Precision {
 
 /// u_{k+1} − u_k, (C, V).
 #[derive(Debug, Clone)]
-pub(super) enum Increment {
+pub enum Increment {
+    /// As it is.
     Double(Array2<f64>),
+    /// In single precision.
     Single {
+        /// The increment by its unit.
         values: Array2<f32>,
         /// What `values` are multiples of: single precision has no room for lengths of any unit.
         unit: f64,
@@ -29,14 +34,18 @@ pub(super) enum Increment {
 
 impl Increment {
     /// Keeps `values`.
-    pub fn new(values: &Array2<f64>, precision: Precision) -> Self {
+    pub(super) fn new(values: &Array2<f64>, precision: Precision) -> Self {
         let nothing = aview0(&0.0);
         let nothing = nothing.broadcast(values.dim());
         Self::between(nothing.expect("of any shape"), values.view(), precision)
     }
 
     /// Keeps what leads from the state `before` to `now`, (C, V) each.
-    pub fn between(before: ArrayView2<f64>, now: ArrayView2<f64>, precision: Precision) -> Self {
+    pub(super) fn between(
+        before: ArrayView2<f64>,
+        now: ArrayView2<f64>,
+        precision: Precision,
+    ) -> Self {
         let both = Zip::from(now).and(before);
         if precision == Precision::Double {
             return Self::Double(both.par_map_collect(|now, before| now - before));
@@ -55,7 +64,7 @@ impl Increment {
     }
 
     /// Adds `factor` times the increment to `sum` (C, V).
-    pub fn add_to(&self, factor: f64, sum: &mut Array2<f64>) {
+    pub(super) fn add_to(&self, factor: f64, sum: &mut Array2<f64>) {
         match self {
             Self::Double(values) => {
                 let add = |sum: &mut f64, value: &f64| *sum += factor * value;
@@ -70,15 +79,34 @@ impl Increment {
     }
 
     /// The increment, (C, V).
-    pub fn values(&self) -> Array2<f64> {
+    pub(super) fn values(&self) -> Array2<f64> {
         match self {
             Self::Double(values) => values.clone(),
             Self::Single { values, unit } => values.mapv(|value| unit * f64::from(value)),
         }
     }
 
+    /// Its shape, (C, V).
+    pub(super) fn dim(&self) -> (usize, usize) {
+        match self {
+            Self::Double(values) => values.dim(),
+            Self::Single { values, .. } => values.dim(),
+        }
+    }
+
+    /// Whether no number of it is broken.
+    pub(super) fn is_usable(&self) -> bool {
+        match self {
+            Self::Double(values) => values.iter().all(|value| has_usable_size(*value)),
+            Self::Single { values, unit } => {
+                let are_finite = values.iter().all(|value| value.is_finite());
+                are_finite && *unit > 0.0 && has_usable_size(*unit)
+            }
+        }
+    }
+
     /// The precision it is kept in.
-    pub fn precision(&self) -> Precision {
+    pub(super) fn precision(&self) -> Precision {
         match self {
             Self::Double(_) => Precision::Double,
             Self::Single { .. } => Precision::Single,

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::flow::origin::{origin_of, without};
 use crate::flow::recorder::check_steps;
 use crate::flow::trajectory::Trajectory;
-use crate::memory::{self, needs};
+use crate::memory::needs;
 use crate::mesh::{TriangleMesh, component_count, components_of, connected_components};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, element_stiffness};
@@ -46,7 +46,7 @@ impl Eigenpairs {
             return Err(Error::Argument("eigenpairs must be at least 1".into()));
         }
         let count = count.min(mesh.vertex_count());
-        memory::check(
+        stage.require(
             needs::eigenpairs(needs::Size::of(mesh), count),
             &format!(
                 "finding {count} eigenpairs on {} vertices",

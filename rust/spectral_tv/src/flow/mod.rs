@@ -25,6 +25,7 @@ mod velocity;
 
 pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
 pub use heat::Heat;
+pub use increment::Increment;
 pub use laplace_beltrami::Eigenpairs;
 pub use law::Law;
 pub(crate) use origin::without;

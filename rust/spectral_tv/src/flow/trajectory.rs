@@ -2,9 +2,9 @@
 
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, has_usable_size, unusable_values};
 use crate::flow::increment::{Increment, Precision};
-use crate::flow::recorder::{Recorder, Solution};
+use crate::flow::recorder::{Recorder, Solution, check_times};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, total_variation};
 
@@ -55,6 +55,52 @@ impl Trajectory {
         }
         stage.report(1.0)?;
         Ok(record.finish())
+    }
+
+    /// A flow of what another was made of: the state `initial` (C, V), N increments (C, V), and what
+    /// was measured.
+    ///
+    /// # Errors
+    /// If shapes do not go together, the times do not increase from 0, or a number is not finite,
+    /// or beyond 1e100.
+    pub fn restored(
+        times: Vec<f64>,
+        initial: Array2<f64>,
+        increments: Vec<Increment>,
+        total_variation: Vec<f64>,
+        gaps: Vec<f64>,
+    ) -> Result<Self> {
+        check_times(&times)?;
+        let steps = times.len() - 1;
+        let have_counts =
+            increments.len() == steps && total_variation.len() == steps + 1 && gaps.len() == steps;
+        let dimensions = initial.dim();
+        let have_shapes = increments.iter().all(|step| step.dim() == dimensions);
+        if !have_counts || !have_shapes || initial.is_empty() {
+            let message = "the parts of the flow have numbers or shapes that do not go together";
+            return Err(Error::Argument(message.into()));
+        }
+        let is_whole = unusable_values(initial.view()).is_none()
+            && increments.iter().all(Increment::is_usable)
+            && total_variation.iter().all(|value| value.is_finite())
+            && gaps.iter().all(|value| has_usable_size(*value));
+        match is_whole {
+            true => Ok(Self {
+                times,
+                initial,
+                increments,
+                total_variation,
+                gaps,
+            }),
+            false => Err(Error::Argument(
+                "the flow has numbers that are not finite, or beyond 1e100".into(),
+            )),
+        }
+    }
+
+    /// u(t_{k+1}) − u(t_k), N.
+    pub fn increments(&self) -> &[Increment] {
+        &self.increments
     }
 
     /// Number of channels C.

@@ -4,7 +4,8 @@ use ndarray::{Array2, Axis};
 
 use crate::error::{Error, Result};
 use crate::flow::{TotalVariation, Trajectory};
-use crate::image::grid::{COVER, Metric, grid};
+use crate::image::grid::{COVER, Metric, TRIANGLES, grid};
+use crate::memory::needs;
 use crate::method::{Scheme, graded_times, run_flow};
 use crate::monitor::Stage;
 use crate::operators::Discretization;
@@ -81,7 +82,6 @@ pub fn decompose_image(
     image.check()?;
     let contrast = image.contrast();
     let (rows, columns) = (image.rows, image.columns);
-    let mesh = grid(&image.values, rows, columns, contrast, settings.metric)?;
     let times = match &settings.times {
         Some(times) => times.clone(),
         None => {
@@ -90,6 +90,12 @@ pub fn decompose_image(
             graded_times(extinction(FINEST), extinction(largest), settings.steps)?
         }
     };
+    stage.require(
+        memory(image, settings, times.len().saturating_sub(1)),
+        &format!("decomposing an image of {columns} × {rows} pixels"),
+        "take fewer steps, or a smaller image",
+    )?;
+    let mesh = grid(&image.values, rows, columns, contrast, settings.metric)?;
     let operators = Discretization::new(&mesh, stage)?;
     let law = TotalVariation::starting_at(&operators, image.values.view())?;
     let (scheme, solver) = (settings.scheme, settings.solver);
@@ -100,4 +106,15 @@ pub fn decompose_image(
     }
     let areas = operators.masses().iter().map(|mass| mass / COVER).collect();
     Ok((flow, areas))
+}
+
+/// Bytes that it takes: the grid, and its flow of so many steps.
+fn memory(image: &Image, settings: &Settings, steps: usize) -> u64 {
+    let (channels, pixels) = image.values.dim();
+    let triangles = pixels.saturating_mul(TRIANGLES);
+    let is_iterated = settings
+        .scheme
+        .is_iterated(settings.solver, pixels, channels);
+    let size = needs::Size::new(pixels, triangles);
+    needs::flow(size, channels, steps, is_iterated).saturating_add(needs::mesh(pixels, triangles))
 }

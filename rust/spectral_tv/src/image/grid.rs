@@ -16,6 +16,9 @@ use crate::mesh::TriangleMesh;
 /// How many times every cell is covered.
 pub(super) const COVER: f64 = 2.0;
 
+/// Triangles for each pixel, but for those of two sides.
+pub(super) const TRIANGLES: usize = 4;
+
 /// What lengths on an image are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Metric {

@@ -13,8 +13,13 @@ const ITERATED: u64 = 1450;
 const LANCZOS: u64 = 3400;
 /// The same of the pair of surfaces that a flow on a base holds.
 const BASE: u64 = 500;
+/// The same of the operators of a mesh, which are part of all of these.
+const OPERATORS: u64 = 500;
+/// The same of one solution of a deformer, beside what that holds.
+const SOLUTION: u64 = 600;
 
-/// How large a mesh is, for what is held of its vertices and triangles: V, or F/4 if that is more: most have 2 V triangles, an image's grid 4 V.
+/// How large a mesh is, for what is held of its vertices and triangles: V, or F/4 if that is more:
+/// most have 2 V triangles, an image's grid 4 V.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size(u64);
 
@@ -73,4 +78,31 @@ pub fn segments(vertices: usize, most_components: usize, quantiles: usize) -> u6
 /// Bytes of a deformation while it is sought.
 pub fn deformation(size: Size) -> u64 {
     size.times(FACTORIZED)
+}
+
+/// The same by an algorithm with matrices of its own, beside those of the certificate.
+pub fn deformation_for_comparison(size: Size) -> u64 {
+    size.times(2 * FACTORIZED)
+}
+
+/// Bytes of so many solutions of a deformer, which are kept, while they are sought.
+pub fn solutions(size: Size, count: usize) -> u64 {
+    let kept = functions(3, size.0).saturating_mul(count as u64);
+    size.times(SOLUTION).saturating_add(kept)
+}
+
+/// Bytes of the operators of a mesh.
+pub fn operators(size: Size) -> u64 {
+    size.times(OPERATORS)
+}
+
+/// Bytes of a mesh of so many vertices and triangles while it is made.
+pub fn mesh(vertices: usize, triangles: usize) -> u64 {
+    let of_vertices = 16 * NUMBER * vertices as u64;
+    of_vertices.saturating_add(16 * NUMBER * triangles as u64)
+}
+
+/// Bytes of `count` functions of one value at each of so many vertices.
+pub fn functions(count: usize, vertices: u64) -> u64 {
+    NUMBER.saturating_mul(count as u64).saturating_mul(vertices)
 }

@@ -212,13 +212,19 @@ impl TriangleMesh {
 
     /// What was found and done when the mesh was read.
     pub fn findings(&self) -> &Findings {
-        self.findings.get_or_init(|| Findings {
-            components: surface_count(self),
-            ..self.done.unwrap_or_else(|| {
-                let border = open_edges(self.vertex_count(), &self.triangles);
-                Findings::of_border(&border)
-            })
-        })
+        if self.findings.get().is_none() {
+            let found = Findings {
+                components: surface_count(self),
+                ..self.done.unwrap_or_else(|| {
+                    let border = open_edges(self.vertex_count(), &self.triangles);
+                    Findings::of_border(&border)
+                })
+            };
+            // Whoever was faster has found the same. It is kept at once, so that no process can be
+            // forked while it is waited for.
+            let _ = self.findings.set(found);
+        }
+        self.findings.get().expect("kept above")
     }
 }
 

@@ -10,11 +10,13 @@ use ndarray::{Array2, Axis};
 
 use crate::error::{Error, Result};
 use crate::flow::{Weights, check_steps, velocity};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::band_errors::{band_errors, bands, lengths};
 use crate::method::decompose::{Scheme, Settings, run_flows};
 use crate::method::representation::{Flowed, Representation};
-use crate::method::{default_times, graded_times};
+use crate::method::requirements::decomposition_memory_of;
+use crate::method::{Steps, default_times, graded_times};
 use crate::monitor::Stage;
 use crate::operators::Discretization;
 use crate::spectral::{SpectralTransform, even_edges};
@@ -92,6 +94,14 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
     let refined = request.refinement.saturating_mul(most);
     check_steps(refined)?;
     let edges = even_edges(&times(most)?, request.bands)?;
+    stage.require(
+        memory(mesh, request, refined),
+        &format!(
+            "a flow of {refined} steps on {} vertices, to measure by,",
+            mesh.vertex_count()
+        ),
+        "take fewer steps or bands, less refinement, or a mesh of fewer vertices",
+    )?;
     let operators = Discretization::new(mesh, stage)?;
     let share = stage.stage(0.0, REPRESENTATION_SHARE);
     let Representation { flows, along, .. } =
@@ -151,6 +161,18 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
         ours,
         paper,
     })
+}
+
+/// Bytes that it takes: the refined flow, two flows' bands and the tables, each twice as they grow.
+fn memory(mesh: &TriangleMesh, request: &AccuracyRequest, refined: usize) -> u64 {
+    let settings = Settings {
+        times: None,
+        steps: Steps::Count(refined),
+        ..request.settings.clone()
+    };
+    let functions = 6_usize.saturating_mul(request.bands) + 8 * request.steps.len();
+    decomposition_memory_of(mesh, &settings)
+        .saturating_add(needs::functions(functions, mesh.vertex_count() as u64))
 }
 
 /// ∫ φ dt + T p(u(T)) + u(T) (Brokman et al. 2024, Eq. 53 for H = 1), (C, V): central differences

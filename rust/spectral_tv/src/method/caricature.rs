@@ -3,7 +3,9 @@
 use ndarray::Array2;
 
 use crate::error::{Error, Result, has_usable_size};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
+use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, decompose};
 use crate::monitor::Stage;
 
@@ -68,6 +70,17 @@ pub fn caricature(
     stage: Stage,
 ) -> Result<Vec<Array2<f64>>> {
     filter.check()?;
+    let most = meshes
+        .iter()
+        .map(|mesh| decomposition_memory_of(mesh, settings));
+    let shapes = meshes.iter().map(|mesh| mesh.vertex_count() as u64).sum();
+    stage.require(
+        most.max()
+            .unwrap_or(0)
+            .saturating_add(needs::functions(3, shapes)),
+        &format!("exaggerating shapes of {shapes} vertices"),
+        "take fewer steps or shapes, or meshes of fewer vertices",
+    )?;
     let share = 1.0 / meshes.len().max(1) as f64;
     let treat = |(index, mesh): (usize, &&TriangleMesh)| {
         let stage = stage.stage(share * index as f64, share * (index + 1) as f64);

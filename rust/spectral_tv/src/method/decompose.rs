@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::flow::{
     Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow, without,
 };
-use crate::memory::{self, needs};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::{FEWEST_STEPS, adapted, subdivided};
 use crate::method::representation::{Flowed, Representation};
@@ -46,7 +46,7 @@ impl Scheme {
     }
 
     /// Whether systems of a flow of so many channels are surely solved by iteration.
-    pub(super) fn is_iterated(self, solver: Solver, vertices: usize, channels: usize) -> bool {
+    pub(crate) fn is_iterated(self, solver: Solver, vertices: usize, channels: usize) -> bool {
         let demand = self.demand(channels);
         demand.is_some_and(|demand| solver.is_iterative(vertices, demand))
     }
@@ -107,7 +107,7 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     }
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
-    check_memory(mesh, settings)?;
+    check_memory(mesh, settings, stage)?;
     let operators = Discretization::new(mesh, stage)?;
     let mut base = None;
     let (trajectory, displacement) = match &settings.method {
@@ -242,14 +242,7 @@ pub fn run_flow(
         operators.masses().len(),
         operators.gradient().triangles().len(),
     );
-    let is_iterated = scheme.is_iterated(solver, values.ncols(), values.nrows());
-    let needed = needs::flow(size, values.nrows(), times.len(), is_iterated);
-    let what = format!(
-        "a flow of {} steps on {} vertices",
-        times.len().saturating_sub(1),
-        values.ncols()
-    );
-    memory::check(needed, &what, "take fewer steps or vertices")?;
+    require_flow(size, scheme, values.dim(), times, solver, stage)?;
     match scheme {
         Scheme::SemiImplicit(weights) => {
             semi_implicit_flow(operators, law, weights, values, times, solver, stage)
@@ -259,6 +252,27 @@ pub fn run_flow(
         }
         Scheme::Exact { .. } => Err(no_exact_steps()),
     }
+}
+
+/// Has a flow of values (C, V) by [`run_flow`] granted its memory.
+///
+/// # Errors
+/// [`Error::Memory`].
+pub fn require_flow(
+    size: needs::Size,
+    scheme: Scheme,
+    (channels, vertices): (usize, usize),
+    times: &[f64],
+    solver: Solver,
+    stage: Stage,
+) -> Result<()> {
+    let steps = times.len().saturating_sub(1);
+    let is_iterated = scheme.is_iterated(solver, vertices, channels);
+    stage.require(
+        needs::flow(size, channels, steps, is_iterated),
+        &format!("a flow of {steps} steps on {vertices} vertices"),
+        "take fewer steps or vertices",
+    )
 }
 
 fn no_exact_steps() -> Error {

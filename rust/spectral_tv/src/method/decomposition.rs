@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::Result;
+use crate::error::{Error, Result, unusable_values};
 use crate::method::Displacement;
 use crate::monitor::Stage;
 use crate::spectral::SpectralTransform;
@@ -34,6 +34,60 @@ impl Decomposition {
             displacement,
             vertex_areas: vertex_areas.to_vec(),
         })
+    }
+
+    /// A decomposition of what another was made of: its transform, the base and the direction (3, V)
+    /// of M3, the spectrum, N − 1, and the areas of the vertices, V.
+    ///
+    /// # Errors
+    /// If shapes do not go together, or a number is not finite.
+    pub fn restored(
+        transform: SpectralTransform,
+        base_and_direction: Option<(Array2<f64>, Array2<f64>)>,
+        spectrum: Vec<f64>,
+        vertex_areas: Vec<f64>,
+    ) -> Result<Self> {
+        let trajectory = transform.trajectory();
+        let (channels, vertices) = trajectory.initial().dim();
+        let displacement = base_and_direction.map(|(base, direction)| Displacement {
+            base,
+            direction,
+            distance: trajectory.initial().to_owned(),
+        });
+        let has_shapes = match &displacement {
+            None => channels == 3,
+            Some(Displacement {
+                base, direction, ..
+            }) => channels == 1 && [base.dim(), direction.dim()] == [(3, vertices); 2],
+        };
+        let has_counts =
+            spectrum.len() == transform.component_times().len() && vertex_areas.len() == vertices;
+        if !has_shapes || !has_counts {
+            let message = "the parts of the decomposition have shapes that do not go together";
+            return Err(Error::Argument(message.into()));
+        }
+        let is_whole = displacement.iter().all(|found| {
+            let parts = [found.base.view(), found.direction.view()];
+            parts
+                .into_iter()
+                .all(|part| unusable_values(part).is_none())
+        });
+        let mut numbers = spectrum.iter().chain(&vertex_areas);
+        if !is_whole || !numbers.all(|number| *number >= 0.0 && number.is_finite()) {
+            let message = "the decomposition has numbers that are not finite, or out of range";
+            return Err(Error::Argument(message.into()));
+        }
+        Ok(Self {
+            transform,
+            displacement,
+            spectrum,
+            vertex_areas,
+        })
+    }
+
+    /// How M3's scalars become shapes; `None` where the positions themselves were flowed.
+    pub fn displacement(&self) -> Option<&Displacement> {
+        self.displacement.as_ref()
     }
 
     /// Areas of the vertices of the shape, V, length².

@@ -20,7 +20,7 @@ mod schedule;
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
 pub use adaptive_steps::check_accuracy;
 pub use caricature::{Exaggeration, caricature};
-pub use decompose::{Scheme, Settings, Steps, decompose, run_flow};
+pub use decompose::{Scheme, Settings, Steps, decompose, require_flow, run_flow};
 pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement, Metric};
 pub use duration::decomposition_duration;

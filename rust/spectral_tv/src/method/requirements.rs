@@ -2,10 +2,11 @@
 
 use crate::error::Result;
 use crate::flow::check_steps;
-use crate::memory::{self, needs};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::FEWEST_STEPS;
 use crate::method::{Method, Settings, Steps};
+use crate::monitor::Stage;
 
 /// For refusals.
 const ADVICE: &str = "take fewer steps, or a mesh of fewer vertices";
@@ -38,6 +39,11 @@ pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settin
         }
         Method::Displacement { .. } => flow(3, 10),
     }
+}
+
+/// The same for `mesh`.
+pub(super) fn decomposition_memory_of(mesh: &TriangleMesh, settings: &Settings) -> u64 {
+    decomposition_memory(mesh.vertex_count(), mesh.triangles().len(), settings)
 }
 
 /// Whether the systems of a method's flow on so many vertices are surely solved by iteration.
@@ -80,15 +86,15 @@ pub(super) fn step_count(settings: &Settings) -> usize {
 ///
 /// # Errors
 /// [`crate::Error::Memory`], or as [`check_step_count`].
-pub(super) fn check_memory(mesh: &TriangleMesh, settings: &Settings) -> Result<()> {
+pub(super) fn check_memory(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Result<()> {
     check_step_count(settings)?;
     let vertices = mesh.vertex_count();
-    let needed = decomposition_memory(vertices, mesh.triangles().len(), settings);
+    let needed = decomposition_memory_of(mesh, settings);
     let advice = match settings.method {
         Method::LaplaceBeltrami { .. } => FEWER,
         _ => ADVICE,
     };
-    memory::check(needed, &format!("decomposing {vertices} vertices"), advice)
+    stage.require(needed, &format!("decomposing {vertices} vertices"), advice)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::{Error, Result, unusable_values};
+use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
 use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
@@ -29,8 +30,13 @@ impl Discretization {
     /// The operators of `mesh`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// [`Error::Memory`], [`Error::Cancelled`].
     pub fn new(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
+        stage.require(
+            needs::operators(needs::Size::of(mesh)),
+            &format!("working on {} vertices", mesh.vertex_count()),
+            "take a mesh of fewer vertices",
+        )?;
         stage.check()?;
         let gradient = Gradient::new(mesh, stage)?;
         stage.check()?;

@@ -3,7 +3,7 @@
 use ndarray::{Axis, concatenate};
 
 use crate::error::{Error, Result};
-use crate::memory::{self, needs};
+use crate::memory::needs;
 use crate::method::Decomposition;
 use crate::monitor::Stage;
 use crate::segmentation::earth_mover::{QUANTILES, quantile_functions};
@@ -44,7 +44,7 @@ pub fn cosegment(
         )));
     }
     let components = decompositions.iter().map(|d| d.component_times().len());
-    memory::check(
+    stage.require(
         needs::segments(total, components.max().unwrap_or(0), QUANTILES),
         &format!("segmenting {total} vertices"),
         "take fewer shapes, or meshes of fewer vertices",

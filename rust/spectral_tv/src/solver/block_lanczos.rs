@@ -215,7 +215,12 @@ fn ritz_pairs(matrix: &Array2<f64>, count: usize, stage: Stage) -> Result<(Vec<f
         .fold(f64::MIN_POSITIVE, |most, entry| most.max(entry.abs()));
     let dense = Mat::from_fn(size, size, |i, j| matrix[[i, j]] / scale);
     let (sender, receiver) = channel();
-    thread::spawn(move || sender.send(dense.self_adjoint_eigen(Side::Lower)));
+    let spawned = thread::Builder::new()
+        .name("spectral_tv".into())
+        .spawn(move || sender.send(dense.self_adjoint_eigen(Side::Lower)));
+    if let Err(error) = spawned {
+        return Err(Error::Memory(format!("no thread for eigenpairs: {error}")));
+    }
     let pairs = loop {
         stage.check()?;
         match receiver.recv_timeout(POLL) {

@@ -13,7 +13,7 @@ mod linear_solver;
 mod multigrid;
 
 pub use block_lanczos::{Operator, largest_eigenpairs};
-pub use cholesky::{Analysis, Cholesky};
+pub use cholesky::{Analysis, Cholesky, warm_up};
 pub use conjugate_gradients::conjugate_gradients;
 pub use linear_solver::{Demand, LinearSolver, Solver};
 pub use multigrid::Multigrid;

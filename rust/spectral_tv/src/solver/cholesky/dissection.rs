@@ -235,7 +235,10 @@ impl Part {
         let pattern =
             SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.neighbours);
         let request = amd::order_scratch::<u32>(size, self.neighbours.len());
-        let mut memory = MemBuffer::new(request);
+        let mut memory = MemBuffer::try_new(request).map_err(|_| {
+            let message = "the order of the mesh's matrix takes more memory than there is";
+            Error::Memory(message.into())
+        })?;
         let stack = MemStack::new(&mut memory);
         amd::order(
             &mut places,

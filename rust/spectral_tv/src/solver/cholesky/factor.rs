@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::error::Result;
-use crate::memory::checked_zeros;
+use crate::memory::zeros;
 use crate::monitor::Stage;
 use crate::solver::cholesky::front::{eliminate, subtract_square};
 use crate::solver::cholesky::tree::upward;
@@ -34,8 +34,8 @@ impl Numbers {
     /// [`crate::Error::Memory`].
     pub fn new(unit: &Unit, what: &str, advice: &str) -> Result<Self> {
         Ok(Self {
-            panels: checked_zeros(unit.panel_length, what, advice)?,
-            stack: checked_zeros(unit.stack_length, what, advice)?,
+            panels: zeros(unit.panel_length, what, advice)?,
+            stack: zeros(unit.stack_length, what, advice)?,
             lanes: Vec::new(),
         })
     }

@@ -9,6 +9,7 @@
 mod dissection;
 mod factor;
 mod front;
+mod scratch;
 mod separator;
 mod solve;
 mod supernodes;
@@ -24,9 +25,10 @@ use ndarray::{Array2, Axis};
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
-use crate::memory::{self, NUMBER};
+use crate::memory::NUMBER;
 use crate::monitor::Stage;
 use factor::Numbers;
+pub use scratch::warm_up;
 use supernodes::Supernodes;
 use units::Unit;
 
@@ -140,6 +142,13 @@ impl Cholesky {
     }
 
     fn in_units(units: Arc<[Unit]>, analysis: Analysis, stage: Stage) -> Result<Self> {
+        let shapes = units.iter().flat_map(|unit| &unit.nodes);
+        if shapes
+            .map(|node| (node.height, node.width))
+            .any(wide::is_wide)
+        {
+            scratch::prepare(stage)?;
+        }
         let spare = analysis.0.spare.lock();
         let left = spare.ok().and_then(|mut spare| spare.take());
         let numbers = match left {
@@ -148,7 +157,7 @@ impl Cholesky {
                 let sizes = units
                     .iter()
                     .map(|unit| unit.panel_length + unit.stack_length);
-                memory::check(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
+                stage.require(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
                 let room = |unit: &Unit| {
                     stage.check()?;
                     Numbers::new(unit, WHAT, ADVICE)

@@ -3,12 +3,12 @@
 
 use faer::Side;
 use faer::perm::PermRef;
-use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
+use faer::sparse::{FaerError, SymbolicSparseColMatRef};
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
@@ -74,8 +74,15 @@ impl Supernodes {
         let (size, starts) = (lower.cols(), lower.proper_indptr());
         let pattern =
             SymbolicSparseColMatRef::new_checked(size, size, &starts, None, lower.indices());
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, params)
-            .map_err(|error| Error::Solver(format!("analysis failed: {error:?}")))?;
+        let symbolic =
+            factorize_symbolic_cholesky(pattern, Side::Lower, order, params).map_err(|error| {
+                match error {
+                    FaerError::OutOfMemory => Error::Memory(
+                        "the analysis of the mesh's matrix takes more memory than there is".into(),
+                    ),
+                    error => Error::Solver(format!("analysis failed: {error:?}")),
+                }
+            })?;
         Self::of(&symbolic)
     }
 

@@ -1,0 +1,183 @@
+"""What there is in a scene beside the shapes."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..scene.animation import curves_of
+from .formats import APPLIED, HOLDS, NO
+
+CURVES = ("CURVE", "SURFACE", "FONT", "META", "CURVES")
+PLAIN = ("MESH", "EMPTY", "ARMATURE")
+# Blender's own attributes; those with a dot before their names are too.
+BUILT_IN = {
+    "position", "material_index", "sharp_face", "sharp_edge", "custom_normal", "crease_edge",
+    "crease_vert", "bevel_weight_edge", "bevel_weight_vert", "freestyle_edge", "freestyle_face",
+    "UVMap", "skel:jointIndices", "skel:jointWeights",
+}  # fmt: skip
+# Modifiers that move vertices by themselves as frames go by.
+MOVING = {"MESH_CACHE", "MESH_SEQUENCE_CACHE", "CLOTH", "SOFT_BODY", "OCEAN", "WAVE", "BUILD",
+          "EXPLODE", "DYNAMIC_PAINT", "FLUID"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Something of a kind: whose it is, its name, and what else tells whether it is kept."""
+
+    kind: str
+    owner: str
+    name: str
+    detail: str = ""
+    count: int = 1
+
+
+def survey(objects: Sequence[bpy.types.Object], suffix: str) -> list[Thing]:
+    """What objects that were read from a file of this suffix hold, as far as the format can."""
+    found = [thing for obj in objects for thing in _of_object(obj)]
+    return [thing for thing in found if HOLDS[suffix][thing.kind] not in (NO, APPLIED)]
+
+
+def _of_object(obj: bpy.types.Object) -> Iterator[Thing]:
+    name = obj.name
+    if obj.type == "MESH":
+        yield from _of_mesh(obj)
+    elif obj.type == "CAMERA":
+        yield Thing("cameras", name, name)
+    elif obj.type == "LIGHT":
+        yield Thing("lights", name, name)
+    elif obj.type in CURVES:
+        yield Thing("curves", name, name, obj.type)
+    elif obj.type not in PLAIN:
+        yield Thing("others", name, name)
+    if obj.parent is not None:
+        yield Thing("parents", name, obj.parent.name)
+    for collection in obj.users_collection:
+        if collection in bpy.context.scene.collection.children_recursive:
+            yield Thing("collections", name, collection.name)
+    for key in own_properties(obj):
+        yield Thing("properties", name, key)
+    if is_animated(obj):
+        yield Thing("animation", name, name, "shape" if has_moving_shape(obj) else "")
+
+
+def _of_mesh(obj: bpy.types.Object) -> Iterator[Thing]:
+    mesh, name = obj.data, obj.name
+    yield Thing("objects", name, name)
+    yield Thing("names", name, name)
+    for kind, layers in (("colours", color_layers(mesh)), ("uvs", uv_layers(mesh))):
+        for layer in layers:
+            yield Thing(kind, name, layer.name, getattr(layer, "data_type", ""))
+    for material in filter(None, mesh.materials):
+        yield Thing("materials", name, material.name)
+        for image in images(material.node_tree):
+            yield Thing("textures", name, image.name)
+    if mesh.has_custom_normals:
+        yield Thing("normals", name, name)
+    for attribute in own_attributes(mesh):
+        yield Thing("attributes", name, attribute.name, attribute.domain)
+    for group in obj.vertex_groups if not armatures(obj) else ():
+        yield Thing("groups", name, group.name)
+    for key in mesh.shape_keys.key_blocks[1:] if mesh.shape_keys is not None else ():
+        yield Thing("keys", name, key.name)
+    for modifier in obj.modifiers:
+        if modifier.show_viewport:
+            kind = "armatures" if modifier.type == "ARMATURE" else "modifiers"
+            yield Thing(kind, name, modifier.name)
+    edges, points = loose(mesh)
+    for kind, what, count in (
+        ("polygons", name, larger_polygons(mesh)),
+        ("loose", "edges", edges),
+        ("loose", "points", points),
+    ):
+        if count:
+            yield Thing(kind, name, what, count=count)
+
+
+def color_layers(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
+    """The colours of a mesh, the active ones first."""
+    active = mesh.color_attributes.active_color
+    layers = list(mesh.color_attributes)
+    return sorted(layers, key=lambda layer: active is None or layer.name != active.name)
+
+
+def uv_layers(mesh: bpy.types.Mesh) -> list[bpy.types.MeshUVLoopLayer]:
+    """The UV maps of a mesh, the active one first."""
+    return sorted(mesh.uv_layers, key=lambda layer: layer.name != mesh.uv_layers.active.name)
+
+
+def own_attributes(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
+    """The attributes of a mesh that are neither Blender's own nor colours nor UV maps."""
+    layers = {layer.name for layer in [*mesh.color_attributes, *mesh.uv_layers]}
+    return [
+        attribute
+        for attribute in mesh.attributes
+        if attribute.name not in layers | BUILT_IN and not attribute.name.startswith(".")
+    ]
+
+
+def own_properties(obj: bpy.types.Object) -> list[str]:
+    """The names of the custom properties of an object that are the user's."""
+    known = obj.bl_rna.properties
+    return [name for name in dict(obj.items()) if name not in known and name != "cycles"]
+
+
+def armatures(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """The modifiers that have an armature move an object."""
+    return [item for item in obj.modifiers if item.type == "ARMATURE" and item.object is not None]
+
+
+def is_animated(obj: bpy.types.Object) -> bool:
+    """Whether an object, its shape keys or its vertices move as frames go by."""
+    keys = obj.data.shape_keys if obj.type == "MESH" else None
+    if any(constraint.type == "TRANSFORM_CACHE" for constraint in obj.constraints):
+        return True
+    return any(_has_animation(item) for item in (obj, obj.data, keys)) or has_moving_shape(obj)
+
+
+def has_moving_shape(obj: bpy.types.Object) -> bool:
+    """Whether modifiers move the vertices of an object as frames go by."""
+    if any(item.type in MOVING and item.show_viewport for item in obj.modifiers):
+        return True
+    animation = obj.animation_data
+    if animation is None:
+        return False
+    curves = [*animation.drivers, *(curves_of(obj) or ())]
+    return any(curve.data_path.startswith("modifiers[") for curve in curves)
+
+
+def _has_animation(data: bpy.types.ID | None) -> bool:
+    animation = getattr(data, "animation_data", None)
+    return animation is not None and bool(
+        animation.action is not None or animation.nla_tracks or animation.drivers
+    )
+
+
+def images(tree: bpy.types.NodeTree | None) -> list[bpy.types.Image]:
+    """The images in a tree of nodes and in the groups in it."""
+    found: list[bpy.types.Image] = []
+    for node in tree.nodes if tree is not None else ():
+        if node.type == "TEX_IMAGE" and node.image is not None:
+            found.append(node.image)
+        elif node.type == "GROUP":
+            found += images(node.node_tree)
+    return list(dict.fromkeys(found))
+
+
+def larger_polygons(mesh: bpy.types.Mesh) -> int:
+    """How many polygons have more than three corners."""
+    sizes = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    return int((sizes > 3).sum())
+
+
+def loose(mesh: bpy.types.Mesh) -> tuple[int, int]:
+    """How many edges are in no face, and how many vertices in no edge."""
+    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", edges)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("edge_index", corners)
+    used = np.zeros(len(mesh.vertices), dtype=bool)
+    used[edges] = True
+    return len(mesh.edges) - len(np.unique(corners)), int((~used).sum())

@@ -1,0 +1,123 @@
+"""Changes to copies of meshes so that exporters write all of what a format can hold."""
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+
+from .contents import color_layers, own_attributes
+from .formats import FORMATS
+
+# Types that the exporter of glTF knows.
+GLTF_TYPES = {"FLOAT", "INT", "INT8", "BOOLEAN", "FLOAT_VECTOR", "FLOAT2", "QUATERNION"}
+
+
+def dress_of(suffix: str) -> Callable[[bpy.types.Mesh], None] | None:
+    """What to do to copies of meshes for files of this suffix; None if nothing."""
+    return DRESSES.get(suffix)
+
+
+def _for_gltf(mesh: bpy.types.Mesh) -> None:
+    """Custom attributes have names that begin with a line, in capitals."""
+    taken = set()
+    for name in [attribute.name for attribute in own_attributes(mesh)]:
+        attribute = mesh.attributes[name]
+        if (
+            attribute.data_type not in GLTF_TYPES
+            or attribute.domain not in FORMATS[".glb"].attributes
+        ):
+            mesh.attributes.remove(attribute)
+            continue
+        wanted = "_" + name.upper().removeprefix("_")
+        while wanted in taken:
+            wanted += "_"
+        taken.add(wanted)
+        attribute.name = wanted
+
+
+def _for_abc(mesh: bpy.types.Mesh) -> None:
+    """Colours are written where they are bytes on face corners."""
+    for name in [layer.name for layer in color_layers(mesh)]:
+        values = _on_corners(
+            mesh, _colors(mesh.color_attributes[name]), mesh.color_attributes[name]
+        )
+        _replace(mesh, name, "BYTE_COLOR", "CORNER", values)
+
+
+def _for_ply(mesh: bpy.types.Mesh) -> None:
+    """The colours are bytes of vertices, and the exporter cuts them off where it should round."""
+    _keep_one(mesh)
+    layers = color_layers(mesh)
+    if not layers:
+        return
+    (layer,) = layers
+    values = _on_vertices(mesh, _colors(layer), layer)
+    levels = np.round(255 * np.column_stack([_to_srgb(values[:, :3]), values[:, 3]]))
+    shifted = (levels + 0.25) / 255
+    values = np.column_stack([_to_linear(shifted[:, :3]), shifted[:, 3]])
+    _replace(mesh, layer.name, "FLOAT_COLOR", "POINT", values)
+
+
+def _keep_one(mesh: bpy.types.Mesh) -> None:
+    """Only the active colours are written."""
+    for name in [layer.name for layer in color_layers(mesh)][1:]:
+        mesh.color_attributes.remove(mesh.color_attributes[name])
+
+
+DRESSES: dict[str, Callable[[bpy.types.Mesh], None]] = {
+    ".glb": _for_gltf,
+    ".gltf": _for_gltf,
+    ".abc": _for_abc,
+    ".ply": _for_ply,
+    ".obj": _keep_one,
+}
+
+
+def _colors(layer: bpy.types.Attribute) -> np.ndarray:
+    """The colours of a layer, linear, (N, 4)."""
+    flat = np.empty(4 * len(layer.data), dtype=np.float32)
+    layer.data.foreach_get("color", flat)
+    return flat.reshape(-1, 4).astype(np.float64)
+
+
+def _corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return corners
+
+
+def _on_corners(mesh: bpy.types.Mesh, values: np.ndarray, layer: bpy.types.Attribute) -> np.ndarray:
+    return values if layer.domain == "CORNER" else values[_corner_vertices(mesh)]
+
+
+def _on_vertices(
+    mesh: bpy.types.Mesh, values: np.ndarray, layer: bpy.types.Attribute
+) -> np.ndarray:
+    """Values of vertices: where corners have them, their means."""
+    if layer.domain == "POINT":
+        return values
+    corners, count = _corner_vertices(mesh), len(mesh.vertices)
+    sums = [np.bincount(corners, channel, count) for channel in values.T]
+    means = np.column_stack(sums)
+    number = np.bincount(corners, minlength=count)[:, np.newaxis]
+    return np.where(number > 0, means / np.maximum(number, 1), 1.0)
+
+
+def _replace(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: np.ndarray) -> None:
+    """Give a colour layer another type and place, and values."""
+    is_active = mesh.color_attributes.active_color_name == name
+    mesh.color_attributes.remove(mesh.color_attributes[name])
+    layer = mesh.color_attributes.new(name, kind, domain)
+    layer.data.foreach_set("color", values.astype(np.float32).ravel())
+    if is_active:
+        mesh.color_attributes.active_color_name = name
+        mesh.color_attributes.render_color_index = mesh.color_attributes.find(name)
+
+
+def _to_srgb(linear: np.ndarray) -> np.ndarray:
+    linear = np.clip(linear, 0, 1)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def _to_linear(srgb: np.ndarray) -> np.ndarray:
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)

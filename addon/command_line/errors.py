@@ -1,0 +1,18 @@
+"""Errors in one line."""
+
+import re
+
+from ..files.whole import PREFIX
+
+TEMPORARY = re.compile(rf"{re.escape(PREFIX)}[0-9a-f]{{12}}/?")
+PYTHONS = re.compile(r"^\w+Error: (\[Errno \d+\] )?")
+
+
+def reason(error: Exception) -> str:
+    """The message of an error; Blender's own begin with a label, and may have many lines."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    told = [line for line in lines if line and not line.startswith("Location:")]
+    if any(line.startswith("Traceback") or "Python: Traceback" in line for line in told):
+        told = [PYTHONS.sub("", told[-1])]
+    text = "; ".join(line.removeprefix("Error: ") for line in told)
+    return TEMPORARY.sub("", text) or type(error).__name__

@@ -1,0 +1,225 @@
+"""What every format holds: the one table that exporting, messages and the manual go by."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+# What files hold besides the shape, and what the user calls it.
+KINDS = {
+    "colours": "vertex colors",
+    "uvs": "UV maps",
+    "materials": "materials",
+    "textures": "textures",
+    "normals": "custom normals",
+    "attributes": "custom attributes",
+    "groups": "vertex groups",
+    "keys": "shape keys",
+    "armatures": "armatures",
+    "animation": "animation",
+    "objects": "objects apart",
+    "names": "object names",
+    "parents": "parents",
+    "collections": "collections",
+    "polygons": "quads, n-gons",
+    "loose": "loose edges, points",
+    "cameras": "cameras",
+    "lights": "lights",
+    "curves": "curves, texts",
+    "others": "other objects",
+    "modifiers": "modifiers",
+    "properties": "custom properties",
+}
+# All of it; none of it; that which is active; it is seen in the shape, and no longer apart.
+YES, NO, ONE, APPLIED = "yes", "–", "one", "applied"
+# As docs/formats.md has it. Other words tell what of it is kept.
+TABLE = """\
+| | .blend | .glb .gltf | .fbx | .usd .usda .usdc .usdz | .abc | .dae | .obj | .ply | .stl |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+| vertex colors | yes | yes | yes | yes | 8 bits | yes | one | one | – |
+| UV maps | yes | yes | yes | yes | yes | yes | one | one | – |
+| materials | yes | yes | yes | yes | names | yes | yes | – | – |
+| textures | yes | yes | yes | yes | – | yes | yes | – | – |
+| custom normals | yes | yes | yes | yes | yes | – | yes | per vertex | – |
+| custom attributes | yes | not of edges | – | not of edges | – | – | – | of vertices | – |
+| vertex groups | yes | – | – | as attributes | – | – | – | as attributes | – |
+| shape keys | yes | yes | yes | the file's own | applied | applied | applied | applied | applied |
+| armatures | yes | yes | yes | yes | applied | applied | applied | applied | applied |
+| animation | yes | not of shapes | not of shapes | yes | yes | – | – | – | – |
+| objects apart | yes | yes | yes | yes | yes | yes | yes | – | – |
+| object names | yes | yes | yes | yes | yes | yes | yes | – | – |
+| parents | yes | yes | yes | yes | yes | yes | – | – | – |
+| collections | yes | – | – | – | – | – | – | – | – |
+| quads, n-gons | yes | – | yes | yes | yes | yes | yes | yes | – |
+| loose edges, points | yes | yes | yes | points | points | – | edges | yes | – |
+| cameras | yes | yes | yes | yes | yes | yes | – | – | – |
+| lights | yes | yes | yes | yes | – | yes | – | – | – |
+| curves, texts | yes | meshes | meshes | yes | curves | – | meshes | meshes | meshes |
+| other objects | yes | – | – | – | – | – | – | – | – |
+| modifiers | yes | applied | applied | applied | applied | applied | applied | applied | applied |
+| custom properties | yes | yes | yes | yes | – | – | – | – | – |
+"""
+
+
+def _columns() -> Iterator[tuple[str, dict[str, str]]]:
+    """Of every suffix, the word for each kind."""
+    head, _, *rows = ([cell.strip() for cell in line.split("|")] for line in TABLE.splitlines())
+    keys = {text: key for key, text in KINDS.items()}
+    for place, suffixes in enumerate(head[2:-1], 2):
+        for suffix in suffixes.split():
+            yield suffix, {keys[row[1]]: row[place] for row in rows}
+
+
+HOLDS: Mapping[str, Mapping[str, str]] = dict(_columns())
+
+
+@dataclass(frozen=True)
+class Format:
+    """How Blender reads and writes a format.
+
+    Of operators the first that exists is used; options that it lacks are left out. ``keys`` says
+    that shape keys are stored with their values, ``attributes`` on which domains custom
+    attributes can be, and ``others`` that a file comes with more files.
+    """
+
+    importers: tuple[str, ...]
+    exporters: tuple[str, ...]
+    selection: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    reading: Mapping[str, Any] = field(default_factory=dict)
+    keys: bool = False
+    attributes: tuple[str, ...] = ()
+    others: bool = False
+
+    @property
+    def importer(self) -> str | None:
+        """The operator that reads the format in this Blender, if there is one."""
+        return _first(self.importers)
+
+    @property
+    def exporter(self) -> str | None:
+        """The operator that writes the format in this Blender, if there is one."""
+        return _first(self.exporters)
+
+
+BLEND = ".blend"
+_GLTF: Mapping[str, Any] = {
+    "importers": ("import_scene.gltf",),
+    "exporters": ("export_scene.gltf",),
+    "selection": "use_selection",
+    "reading": {"disable_bone_shape": True},
+    "keys": True,
+    "attributes": ("POINT", "CORNER", "FACE"),
+}
+_GLTF_OPTIONS = {
+    "export_all_influences": True,
+    "export_attributes": True,
+    "export_cameras": True,
+    "export_extras": True,
+    "export_lights": True,
+    "export_vertex_color": "ACTIVE",
+    "use_mesh_edges": True,
+    "use_mesh_vertices": True,
+    "use_visible": True,
+}
+_USD = Format(
+    ("wm.usd_import",),
+    ("wm.usd_export",),
+    "selected_objects_only",
+    {"evaluation_mode": "VIEWPORT", "export_subdivision": "TESSELLATE"},
+    attributes=("POINT", "CORNER", "FACE"),
+    others=True,
+)
+FORMATS = {
+    ".ply": Format(
+        ("wm.ply_import",), ("wm.ply_export",), "export_selected_objects", attributes=("POINT",)
+    ),
+    ".stl": Format(("wm.stl_import",), ("wm.stl_export",), "export_selected_objects"),
+    ".obj": Format(
+        ("wm.obj_import",),
+        ("wm.obj_export",),
+        "export_selected_objects",
+        {"export_colors": True},
+        others=True,
+    ),
+    ".glb": Format(**_GLTF, options={**_GLTF_OPTIONS, "export_format": "GLB"}),
+    ".gltf": Format(
+        **_GLTF, options={**_GLTF_OPTIONS, "export_format": "GLTF_SEPARATE"}, others=True
+    ),
+    ".fbx": Format(
+        ("wm.fbx_import", "import_scene.fbx"),
+        ("export_scene.fbx",),
+        "use_selection",
+        {
+            "add_leaf_bones": False,
+            "bake_anim_simplify_factor": 0.0,
+            "embed_textures": True,
+            "path_mode": "COPY",
+            "use_custom_props": True,
+            "use_mesh_edges": True,
+            "use_mesh_modifiers": False,  # they are applied before
+            "use_visible": True,
+        },
+        keys=True,
+    ),
+    ".usd": _USD,
+    ".usda": _USD,
+    ".usdc": _USD,
+    ".usdz": _USD,
+    ".abc": Format(
+        ("wm.alembic_import",),
+        ("wm.alembic_export",),
+        "selected",
+        {
+            "apply_subdiv": True,
+            "evaluation_mode": "VIEWPORT",
+            "vcolors": True,
+        },
+    ),
+    ".dae": Format(
+        ("wm.collada_import",),
+        ("wm.collada_export",),
+        "selected",
+        {"apply_modifiers": True, "include_armatures": False, "include_shapekeys": False},
+        others=True,
+    ),
+}
+
+
+def a(suffix: str) -> str:
+    """A file of this suffix, with its article."""
+    return f"an {suffix}" if suffix[1] in "ao" else f"a {suffix}"
+
+
+def importable() -> list[str]:
+    """Suffixes of the formats that this Blender reads."""
+    return [BLEND, *(suffix for suffix, form in FORMATS.items() if form.importer)]
+
+
+def exportable() -> list[str]:
+    """Suffixes of the formats that this Blender writes."""
+    return [BLEND, *(suffix for suffix, form in FORMATS.items() if form.exporter)]
+
+
+def call(name: str, **options: Any) -> bool:
+    """Call an operator with those of the options that it has; False if it gives up."""
+    operator = _operator(name)
+    known = operator.get_rna_type().properties
+    return operator(**{key: value for key, value in options.items() if key in known}) == {
+        "FINISHED"
+    }
+
+
+def _operator(name: str) -> Any:
+    module, _, function = name.partition(".")
+    return getattr(getattr(bpy.ops, module), function)
+
+
+def _first(names: tuple[str, ...]) -> str | None:
+    """The first of several operators that this Blender has."""
+    for name in names:
+        module, _, function = name.partition(".")
+        if function in dir(getattr(bpy.ops, module)):
+            return name
+    return None

@@ -1,0 +1,281 @@
+"""Laying meshes out for an exporter so that the file shows what the screen shows.
+
+Exporters that store shape keys pass over masks, muted keys, keys relative to others, and either the
+keys or the modifiers. While they write, objects hold copies of their meshes in which all of that
+is in the shape of the keys; then they have their own meshes again.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..scene.animation import curves_of
+from ..scene.coordinates import coordinates
+from ..scene.notes import listed, note
+from ..scene.shape_keys import SLIDER_RANGE
+from .contents import armatures
+
+# So far, relative to the object's size, may keys that went through modifiers be off together.
+LINEAR = 1e-5
+# Below this a difference is rounding.
+ROUNDING = 1e-6
+
+Kept = Callable[[bpy.types.Object, bpy.types.ShapeKey], bool]
+Dress = Callable[[bpy.types.Mesh], None]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What is seen of an object: its shape at all keys 0, (V, 3), and its keys' displacements."""
+
+    base: np.ndarray
+    moves: dict[str, np.ndarray]
+    values: dict[str, float]
+
+
+@contextmanager
+def shown(
+    objects: Sequence[bpy.types.Object],
+    kept: Kept,
+    rigs: Collection[bpy.types.Object],
+    dress: Dress | None,
+) -> Iterator[None]:
+    """Have mesh objects hold copies of their meshes whose keys alone give what is seen.
+
+    ``kept`` tells which keys stay keys, the others become part of the shape. Modifiers but those of
+    the armatures ``rigs`` are applied, and off meanwhile. ``dress`` makes the other changes to the
+    copies that the format asks for.
+    """
+    rigged = {item for obj in objects for item in armatures(obj) if item.object in rigs}
+    posed = [obj.name for obj in objects if any(item not in rigged for item in armatures(obj))]
+    if posed:
+        note(f"posed for good, as their armatures are not in the file: {listed(posed)}")
+    applied = [item for obj in objects for item in obj.modifiers if item not in rigged]
+    copies: dict[tuple, bpy.types.Mesh] = {}
+    try:
+        with _off(rigged):
+            bpy.context.view_layer.update()
+            laid_out = {obj: _copy(obj, kept, copies) for obj in objects}
+        for copy in copies.values() if dress is not None else ():
+            dress(copy)
+    except BaseException:
+        bpy.data.batch_remove(list(copies.values()))
+        raise
+    with _off(applied), _held(laid_out):
+        yield
+
+
+@contextmanager
+def dressed(objects: Sequence[bpy.types.Object], dress: Dress) -> Iterator[None]:
+    """Have mesh objects hold copies of their meshes, with the changes that a format asks for."""
+    copies = {mesh: mesh.copy() for mesh in dict.fromkeys(obj.data for obj in objects)}
+    for copy in copies.values():
+        dress(copy)
+    with _held({obj: copies[obj.data] for obj in objects}):
+        yield
+
+
+@contextmanager
+def _held(copies: dict[bpy.types.Object, bpy.types.Mesh]) -> Iterator[None]:
+    """Have objects hold copies under the names of what they are copies of, then remove them."""
+    before = {obj: obj.data for obj in copies}
+    names: dict[bpy.types.ID, str] = {}
+    actions = []
+    try:
+        for obj, copy in copies.items():
+            mesh = obj.data
+            obj.data = copy
+            pairs = [(mesh, copy)]
+            if (pair := _actions(mesh, copy)) is not None:
+                pairs.append(pair)
+                actions.append(pair[1])
+            for original, other in pairs:
+                names.setdefault(original, original.name)
+                original.name = f"{names[original]} (kept)"
+                other.name = names[original]
+        bpy.context.view_layer.update()
+        yield
+    finally:
+        for obj, mesh in before.items():
+            obj.data = mesh
+        bpy.data.batch_remove(list(dict.fromkeys([*copies.values(), *actions])))
+        for original, name in names.items():
+            original.name = name
+        bpy.context.view_layer.update()
+
+
+@contextmanager
+def _off(modifiers: Collection[bpy.types.Modifier]) -> Iterator[None]:
+    """Have modifiers be off that are on."""
+    on = [modifier for modifier in modifiers if modifier.show_viewport]
+    try:
+        for modifier in on:
+            modifier.show_viewport = False
+        yield
+    finally:
+        for modifier in on:
+            modifier.show_viewport = True
+
+
+def _copy(obj: bpy.types.Object, kept: Kept, copies: dict[tuple, bpy.types.Mesh]) -> bpy.types.Mesh:
+    """A copy of the mesh of ``obj`` as it is seen, its keys those that are kept."""
+    has_modifiers = any(item.show_viewport for item in obj.modifiers)
+    place: tuple = (obj.data.session_uid,)
+    if has_modifiers or obj.show_only_shape_key:  # seen of this object alone
+        place += (obj.name,)
+    if place in copies:
+        return copies[place]
+    graph = bpy.context.evaluated_depsgraph_get()
+    copy = bpy.data.meshes.new_from_object(
+        obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
+    )
+    copies[place] = copy
+    for name, value in obj.data.items():
+        with suppress(TypeError):
+            copy[name] = value
+    shape = _shape(obj, kept, has_modifiers)
+    if shape is not None and shape.moves:
+        _write(copy, shape)
+        _animate(copy, obj, shape)
+    return copy
+
+
+def _shape(obj: bpy.types.Object, kept: Kept, has_modifiers: bool) -> Shape | None:
+    """The keys of an object as they are seen; None if it has none, or none that can be kept."""
+    keys = obj.data.shape_keys
+    if keys is None or not keys.use_relative:
+        return None
+    graph = bpy.context.evaluated_depsgraph_get()
+    seen = _seen(obj)
+    values = _values(obj, graph)
+    wanted = [key.name for key in keys.key_blocks[1:] if kept(obj, key)]
+    _tell(obj, wanted)
+    base, moves = _moves(obj, wanted, values)
+    size = float(np.linalg.norm(np.ptp(seen, axis=0))) if len(seen) else 0.0
+    if all(shape.shape == seen.shape for shape in (base, *moves.values())):
+        off = seen - base - sum(values[name] * move for name, move in moves.items())
+        error = float(np.abs(off).max(initial=0.0))
+        if not has_modifiers or error <= LINEAR * size:
+            base = base + off if error > ROUNDING * size else base
+            return Shape(base, moves, {name: values[name] for name in wanted})
+    if wanted:
+        note(
+            f"{obj.name}: its shape keys became part of the shape, as its modifiers do not let "
+            "each of them through by itself"
+        )
+    return None
+
+
+def _tell(obj: bpy.types.Object, wanted: Sequence[str]) -> None:
+    """Note which keys are in the file in another way than by their values."""
+    keys = [obj.data.shape_keys.key_blocks[name] for name in wanted]
+    if obj.show_only_shape_key and wanted:
+        pinned = obj.active_shape_key.name
+        note(f"{obj.name}: {pinned} is shown alone, so the other shape keys are 0 in the file")
+    elif muted := [key.name for key in keys if key.mute]:
+        note(f"{obj.name}: muted shape keys are 0 in the file: {listed(muted)}")
+
+
+def _values(obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> dict[str, float]:
+    """The values by which the keys of an object are seen: muted ones are at 0."""
+    keys = obj.data.shape_keys
+    if obj.show_only_shape_key:
+        pinned = obj.active_shape_key_index
+        return {key.name: float(i == pinned) for i, key in enumerate(keys.key_blocks)}
+    return {
+        key.name: 0.0 if key.mute else key.value for key in keys.evaluated_get(graph).key_blocks
+    }
+
+
+def _moves(
+    obj: bpy.types.Object, wanted: Sequence[str], values: dict[str, float]
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The shape with some keys at 0, and how far each of them at 1 moves it, as Blender sees it."""
+    probe = obj.copy()
+    probe.data = obj.data.copy()
+    keys = probe.data.shape_keys
+    keys.animation_data_clear()
+    probe.show_only_shape_key = False
+    bpy.context.scene.collection.objects.link(probe)
+    try:
+        for key in keys.key_blocks[1:]:
+            key.slider_min, key.slider_max = SLIDER_RANGE
+            key.mute = False
+            key.value = 0.0 if key.name in wanted else values[key.name]
+        base = _seen(probe)
+        moves = {}
+        for name in wanted:
+            keys.key_blocks[name].value = 1.0
+            moved = _seen(probe)
+            moves[name] = moved - base if moved.shape == base.shape else moved
+            keys.key_blocks[name].value = 0.0
+    finally:
+        mesh = probe.data
+        bpy.data.objects.remove(probe)
+        bpy.data.meshes.remove(mesh)
+    return base, moves
+
+
+def _seen(obj: bpy.types.Object) -> np.ndarray:
+    """Where the vertices of an object are seen, in object space, (V, 3)."""
+    bpy.context.view_layer.update()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return coordinates(evaluated.data.vertices).reshape(-1, 3).astype(np.float64)
+
+
+def _write(mesh: bpy.types.Mesh, shape: Shape) -> None:
+    """Give a mesh without keys these."""
+    mesh.vertices.foreach_set("co", shape.base.astype(np.float32).ravel())
+    helper = bpy.data.objects.new("Helper", mesh)
+    try:
+        helper.shape_key_add(name="Basis", from_mix=False)
+        for name, move in shape.moves.items():
+            key = helper.shape_key_add(name=name, from_mix=False)
+            key.slider_min, key.slider_max = SLIDER_RANGE
+            key.value = shape.values[name]
+            key.data.foreach_set("co", (shape.base + move).astype(np.float32).ravel())
+    finally:
+        bpy.data.objects.remove(helper)
+
+
+def _animate(mesh: bpy.types.Mesh, obj: bpy.types.Object, shape: Shape) -> None:
+    """Have the keys of a copy move as those of ``obj`` do, as far as that is seen."""
+    source = obj.data.shape_keys
+    mesh.shape_keys.key_blocks[0].name = source.reference_key.name
+    animation = source.animation_data
+    if animation is None or obj.show_only_shape_key:
+        return
+    own = mesh.shape_keys.animation_data_create()
+    still = {key.path_from_id("value") for key in source.key_blocks if key.mute}
+    _play(own, animation, animation.action)
+    if any(curve.data_path in still for curve in curves_of(source) or ()):
+        _play(own, animation, animation.action.copy())
+        curves = curves_of(mesh.shape_keys)
+        for path in still:
+            if (curve := curves.find(path)) is not None:
+                curves.remove(curve)
+    for driver in animation.drivers:
+        if driver.data_path not in still:
+            own.drivers.from_existing(src_driver=driver)
+
+
+def _play(
+    own: bpy.types.AnimData, other: bpy.types.AnimData, action: bpy.types.Action | None
+) -> None:
+    """Have an action, or a copy of it, be played like ``other`` does."""
+    own.action = action
+    slot = getattr(other, "action_slot", None)
+    if action is not None and slot is not None:
+        own.action_slot = next(item for item in action.slots if item.identifier == slot.identifier)
+
+
+def _actions(
+    mesh: bpy.types.Mesh, copy: bpy.types.Mesh
+) -> tuple[bpy.types.Action, bpy.types.Action] | None:
+    """The action of a mesh's keys, and the copy of it that was made for a copy, if there is one."""
+    both = [keys.animation_data for keys in (mesh.shape_keys, copy.shape_keys) if keys is not None]
+    own = [animation.action for animation in both if animation is not None]
+    return (own[0], own[1]) if len(own) == 2 and None not in own and own[0] != own[1] else None

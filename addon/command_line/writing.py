@@ -1,0 +1,20 @@
+"""Having Blender write a file."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..files.whole import NotWritten, written
+from .errors import reason
+from .signals import heed
+
+
+@contextmanager
+def written_by_blender(target: Path, with_others: bool = False) -> Iterator[Path]:
+    """Do as `written`, and name the file in what Blender says if it fails."""
+    try:
+        with written(target, with_others) as place:
+            yield place
+    except RuntimeError as error:
+        heed()
+        raise NotWritten(target, reason(error)) from error

@@ -1,0 +1,64 @@
+"""How far handles turn: total variation takes pieces along without turning them."""
+
+import math
+
+import bpy
+import numpy as np
+
+from ..scene.objects import Refusal
+from .constraints import ALGORITHMS, TURNING, deformation_of, label_of
+
+# Degrees below which nobody sees it.
+NOTICED = 5.0
+
+
+def of_handles(obj: bpy.types.Object) -> float:
+    """The largest angle, in degrees, by which a handle of ``obj`` was seen turned since its rest.
+
+    It is for drawing: nothing is evaluated, and what cannot be told counts as 0.
+    """
+    angles = [0.0]
+    for constraint in deformation_of(obj).constraints:
+        if constraint.kind == "OBJECT":
+            try:
+                angles.append(_angle(constraint.motion(None)[:3, :3]))
+            except Refusal:
+                continue
+    return max(angles)
+
+
+def of_points(owners: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
+    """The largest angle, in degrees, by which one of several sets of points turned.
+
+    ``owners`` (K,) tells the sets apart; ``before`` and ``after`` are their points, (K, 3).
+    """
+    angles = [0.0]
+    for owner in np.unique(owners):
+        one, other = (points[owners == owner] for points in (before, after))
+        one, other = one - one.mean(axis=0), other - other.mean(axis=0)
+        angles.append(_angle(other.T @ one))
+    return max(angles)
+
+
+def told(angle: float, algorithm: str) -> str | None:
+    """Say that pieces do not turn as their handles do; None where they do, or nothing turns."""
+    if angle < NOTICED or algorithm in TURNING:
+        return None
+    labels = " and ".join(label_of(each) for each, *_ in ALGORITHMS if each in TURNING)
+    return (
+        f"handles are turned by up to {angle:.0f}°: {label_of(algorithm)} moves the pieces at them "
+        f"without turning them, {labels} turns them"
+    )
+
+
+def _angle(matrix: np.ndarray) -> float:
+    """The angle, in degrees, of the rotation nearest to a matrix; 0 where several are."""
+    if not np.isfinite(matrix).all():
+        return 0.0
+    left, sizes, right = np.linalg.svd(matrix)
+    sign = np.sign(np.linalg.det(left @ right))
+    # Points on a line, or reflected, say nothing of one direction or all.
+    if not sizes[1] > 1e-6 * sizes[0] or (sign < 0 and sizes[1] - sizes[2] < 1e-6 * sizes[0]):
+        return 0.0
+    rotation = left @ np.diag([1.0, 1.0, sign]) @ right
+    return math.degrees(math.acos(np.clip((np.trace(rotation) - 1) / 2, -1, 1)))

@@ -1,0 +1,39 @@
+"""What picture files say of themselves, before their pixels: Blender tells little of it."""
+
+import struct
+import zlib
+from pathlib import Path
+
+from ..checks import Torn
+from . import exr, jpeg, png, tiff, webp
+from .header import Header, Unreadable
+
+# How files begin, whatever their suffix.
+STARTS = {
+    b"\x89PNG": png.read,
+    b"\xff\xd8": jpeg.read,
+    b"RIFF": webp.read,
+    b"II*\0": tiff.read,
+    b"MM\0*": tiff.read,
+    b"\x76\x2f\x31\x01": exr.read,
+}
+
+
+def read_header(path: Path) -> Header | None:
+    """Read the header of a picture; None of a format that is not known here.
+
+    Raises Torn if the file is cut short, Unreadable if Blender would misread it, and OSError.
+    """
+    data = path.read_bytes()
+    if not data:
+        raise Torn("it is empty")
+    for start, read in STARTS.items():
+        if data.startswith(start):
+            try:
+                return read(data)
+            except (LookupError, ValueError, OverflowError, struct.error, zlib.error) as error:
+                raise Torn("its header makes no sense") from error
+    return None
+
+
+__all__ = ["Header", "Torn", "Unreadable", "read_header"]

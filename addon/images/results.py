@@ -1,0 +1,180 @@
+"""Images that are written of another, and how they are known again.
+
+The scene remembers what was written: pointers follow an image that is renamed, and a copy is
+another image. A result is written over only if the record points to it, it still names its source,
+and nobody has changed it since; else it is the user's and stays.
+"""
+
+from collections.abc import Collection
+
+import bpy
+import numpy as np
+import spectral_tv
+from bpy.props import PointerProperty, StringProperty
+
+from ..scene.notes import note
+from ..scene.records import digest
+from .bands import Choice, Prepared, filtered, filtered_bands, parts
+from .flows import Still
+from .pixels import Pixels
+
+BAND, REST, FILTERED = "Band", "Rest", "Filtered"
+# Bytes that the names of images may have in all versions.
+LONGEST = 63
+# How far values of 8 bits may be beyond black and white before something is lost.
+HALF_STEP = 0.5 / 255
+# Users of a result that nothing shows: its fake user, and the record.
+OWN_USERS = 2
+
+
+class SpectralTVImageResult(bpy.types.PropertyGroup):
+    """One image that was written."""
+
+    image: PointerProperty(type=bpy.types.Image, name="Image")
+    source: PointerProperty(type=bpy.types.Image, name="Source")
+    label: StringProperty(name="Label", description="What it is of its source")
+    digest: StringProperty(name="Digest", description="Of the packed file that was written")
+
+
+def source_of(image: bpy.types.Image) -> bpy.types.Image | None:
+    """What an image was written of; None if it is none of ours, or the user cleared its source."""
+    source = image.spectral_tv.source
+    known = source is not None and any(
+        (each.image, each.source) == (image, source) for each in _records()
+    )
+    return source if known else None
+
+
+def write(
+    source: bpy.types.Image,
+    prepared: Prepared,
+    choice: Choice,
+    flow: spectral_tv.Flow | Still,
+) -> list[str]:
+    """Write what was chosen as images beside the source; returns their names."""
+    if choice.result == "BANDS":
+        bands, rest = parts(prepared, choice, flow)
+        written = [
+            _write_data(source, f"{BAND} {number}", band)
+            for number, band in enumerate(bands, start=1)
+        ]
+        written.append(_write_data(source, REST, rest))
+        _remove_surplus(source, {image.spectral_tv.label for image in written})
+    elif choice.keep_rest:
+        written = [_write_colors(source, FILTERED, filtered(prepared, choice, flow))]
+    else:
+        written = [_write_data(source, FILTERED, filtered_bands(prepared, choice, flow))]
+    return [image.name for image in written]
+
+
+def _write_data(source: bpy.types.Image, label: str, values: np.ndarray) -> bpy.types.Image:
+    """Write values (H, W, C) that are no colours, as they may be negative."""
+    image = _target(source, label, is_float=True)
+    image.colorspace_settings.is_data = True
+    image.alpha_mode = "PREMUL"
+    stored = np.ones((*values.shape[:2], 4), dtype=np.float32)
+    stored[..., :3] = values  # grey in all of them
+    _fill(source, label, image, stored)
+    return image
+
+
+def _write_colors(source: bpy.types.Image, label: str, pixels: Pixels) -> bpy.types.Image:
+    """Write a picture in the depth, the colour space and the alpha of its source."""
+    image = _target(source, label, source.is_float)
+    image.colorspace_settings.name = pixels.space
+    stored = pixels.stored
+    if source.is_float:
+        mode = "PREMUL" if pixels.is_associated else "STRAIGHT"
+    else:
+        mode = "STRAIGHT"  # as Blender holds 8 bits, whatever the file had
+        beyond = np.abs(stored - stored.clip(0, 1)) > HALF_STEP
+        cut = int(beyond[..., :3].any(axis=2).sum())
+        if cut:
+            note(f"{cut} pixels of {image.name!r} were cut off at black and white")
+        stored = stored.clip(0, 1)
+    image.alpha_mode = mode if pixels.has_alpha else source.alpha_mode
+    _fill(source, label, image, stored)
+    return image
+
+
+def _fill(source: bpy.types.Image, label: str, image: bpy.types.Image, stored: np.ndarray) -> None:
+    image.pixels.foreach_set(np.ascontiguousarray(stored, dtype=np.float32).ravel())
+    image.pack()
+    image.buffers_free()  # read anew, in its colour space
+    image.update()
+    image.spectral_tv.source, image.spectral_tv.label = source, label
+    records = [each for each in _records() if each.image == image]  # copies of scenes have copies
+    for each in records or [bpy.context.scene.spectral_tv_images.results.add()]:
+        each.image, each.source, each.label = image, source, label
+        each.digest = _digest(image)
+
+
+def _target(source: bpy.types.Image, label: str, is_float: bool) -> bpy.types.Image:
+    """The image to write into; one of another size or depth takes the place of the former."""
+    former = _own(source, {label}).get(label)
+    wanted = (*source.size, is_float)
+    if former is not None and (*former.size, former.is_float) == wanted:
+        return former
+    stem = source.name.encode()[: LONGEST - len(label) - 1].decode(errors="ignore")
+    name = f"{stem} {label}" if former is None else former.name
+    image = bpy.data.images.new(name, *source.size, alpha=True, float_buffer=is_float)
+    image.use_fake_user = True  # what the user has not put anywhere yet is saved all the same
+    if former is not None:
+        former.user_remap(image)
+        bpy.data.images.remove(former)
+        image.name = name
+    return image
+
+
+def _remove_surplus(source: bpy.types.Image, labels: Collection[str]) -> None:
+    """Remove bands of an earlier run that there are no more."""
+    surplus = {
+        each.label
+        for each in _records()
+        if each.source == source and each.label.startswith(BAND) and each.label not in labels
+    }
+    for image in _own(source, surplus).values():
+        if image.users > OWN_USERS:
+            note(f"{image.name!r} is of an earlier run; it is used, and is kept")
+        else:
+            bpy.data.images.remove(image)
+
+
+def _own(source: bpy.types.Image, labels: Collection[str]) -> dict[str, bpy.types.Image]:
+    """By label, the images that were written of a source and are ours still.
+
+    What is no longer is noted, and forgotten.
+    """
+    found = {}
+    for scene in _scenes():
+        results = scene.spectral_tv_images.results
+        for place in reversed(range(len(results))):
+            each = results[place]
+            if each.image is None:
+                results.remove(place)
+            elif each.source == source and each.label in labels:
+                if each.image.spectral_tv.source == source and _is_untouched(each):
+                    found[each.label] = each.image
+                else:
+                    note(f"{each.image.name!r} was changed since, and is kept")
+                    results.remove(place)
+    return found
+
+
+def _is_untouched(record: SpectralTVImageResult) -> bool:
+    image = record.image
+    if image.library is not None or image.is_dirty or image.packed_file is None:
+        return False
+    return _digest(image) == record.digest
+
+
+def _digest(image: bpy.types.Image) -> str:
+    return digest(np.frombuffer(image.packed_file.data, dtype=np.uint8))
+
+
+def _records() -> list[SpectralTVImageResult]:
+    return [each for scene in _scenes() for each in scene.spectral_tv_images.results]
+
+
+def _scenes() -> list[bpy.types.Scene]:
+    return [scene for scene in bpy.data.scenes if scene.library is None]

@@ -1,0 +1,100 @@
+"""Where objects and bones are in the world, hidden ones too.
+
+Blender moves what is shown. What is hidden keeps the place that it had when it was last shown,
+unless something shown depends on it.
+"""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+from .objects import Refusal
+
+# An object, and the name of a bone of it, or nothing.
+Followed = tuple[bpy.types.Object, str]
+
+
+def is_in_a_scene(obj: bpy.types.Object) -> bool:
+    """Whether there is a scene that holds ``obj``: none does once it was deleted.
+
+    What points at a deleted object keeps it in the file.
+    """
+    return any(
+        obj.name in scene.objects
+        and (scene.objects[obj.name] == obj or obj in scene.objects.values())
+        for scene in bpy.data.scenes
+    )
+
+
+def is_kept_up(obj: bpy.types.Object) -> bool:
+    """Whether Blender moves ``obj`` in the present scene: if it is shown, or hidden by the eye."""
+    layer = bpy.context.view_layer
+    if obj.visible_get(view_layer=layer):
+        return True
+    return not obj.hide_viewport and _is_enabled(obj, layer.layer_collection)
+
+
+def _is_enabled(obj: bpy.types.Object, layer: bpy.types.LayerCollection) -> bool:
+    """Whether the view layer holds ``obj`` in a collection that is not disabled."""
+    if layer.exclude or layer.collection.hide_viewport:
+        return False
+    return obj in layer.collection.objects.values() or any(
+        _is_enabled(obj, child) for child in layer.children
+    )
+
+
+@contextmanager
+def kept_up(followed: Iterable[Followed], over_frames: bool = False) -> Iterator[None]:
+    """Have Blender move all of these meanwhile, hidden ones too.
+
+    If ``over_frames``, those too that are hidden on other frames. Raises Refusal where there are
+    hidden ones in a scene that belongs to another file.
+    """
+    hidden = [(obj, bone) for obj, bone in followed if over_frames or not is_kept_up(obj)]
+    if not hidden:
+        yield
+        return
+    # Blender moves what something shown depends on.
+    probe = bpy.data.objects.new("Spectral TV Probe", None)
+    try:
+        for obj, bone in hidden:
+            constraint = probe.constraints.new("COPY_TRANSFORMS")
+            constraint.target = obj
+            if obj.type == "ARMATURE":
+                constraint.subtarget = bone
+        try:
+            bpy.context.scene.collection.objects.link(probe)
+        except RuntimeError as error:
+            raise Refusal(f"{hidden[0][0].name!r} is hidden; show it") from error
+        _take_to_this_frame()
+        yield
+    finally:
+        bpy.data.objects.remove(probe)
+
+
+def _take_to_this_frame() -> None:
+    """Have Blender animate what it did not move before; what it moved keeps unkeyed changes."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    for obj in bpy.data.objects:
+        if obj.evaluated_get(graph).is_evaluated and not is_kept_up(obj):
+            for data in (obj, obj.data):
+                if data is not None and data.animation_data is not None:
+                    data.update_tag(refresh={"TIME"})
+
+
+def matrix_of(
+    obj: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph | None
+) -> np.ndarray | None:
+    """World matrix (4, 4) of an object, or of a bone where one is named; None if it is missing.
+
+    With ``graph``, the one just evaluated of the context, it is that of this moment; without, as
+    in drawing, that of the last evaluation.
+    """
+    seen = obj if graph is None else obj.evaluated_get(graph)
+    world = np.array(seen.matrix_world, dtype=np.float64)
+    if obj.type != "ARMATURE" or not bone:
+        return world
+    posed = None if seen.pose is None else seen.pose.bones.get(bone)
+    return None if posed is None else world @ np.array(posed.matrix, dtype=np.float64)

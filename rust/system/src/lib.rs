@@ -1,0 +1,12 @@
+//! What the operating system is asked for: memory, and how much of it there is.
+//!
+//! All unsafe code of the project is here: an allocator ([`Heap`]) in front of the system's, and
+//! the foreign functions that tell how much memory is free where no file does.
+
+mod heap;
+mod physical;
+mod ration;
+
+pub use heap::{Heap, give_back, largest_of_pages};
+pub use physical::free_memory;
+pub use ration::{Ration, keep_a_little, room};
