@@ -1,11 +1,13 @@
 """Reading and checking the arguments that every verb takes."""
 
 import argparse
+import os
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
+from ..files.names import file_keys
 from .formats import exportable, importable
 
 EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"
@@ -21,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> No
     """Declare the arguments; ``verb`` is what is done to objects, ``result`` what they are then."""
     add = parser.add_argument
     add("inputs", metavar="INPUT", nargs="+", type=_path, help="a file that Blender imports")
-    add("-o", "--output", type=_path, help="the file to write, or a folder that exists")
+    add("-o", "--output", type=target_path, help="the file to write, or a folder that exists")
     add(
         "--format",
         metavar="SUFFIX",
@@ -31,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> No
     add(
         "--render",
         metavar="PICTURE",
-        type=_path,
+        type=target_path,
         help=f"picture the {result} objects: a .png, or a folder that exists",
     )
     add(
@@ -50,7 +52,7 @@ def add_report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--report",
         metavar="FILE",
-        type=_path,
+        type=target_path,
         help="add a line of JSON for every input to this file, such as report.jsonl",
     )
 
@@ -66,7 +68,7 @@ def complaint(choices: argparse.Namespace) -> str | None:
             continue
         if len(choices.inputs) > 1:
             return f"several inputs need a folder that exists: {name} {place}"
-        if not place.parent.is_dir():
+        if not is_folder(place.parent):
             return f"there is no folder {place.parent}"
     return _complaint_of_targets(choices)
 
@@ -83,8 +85,7 @@ def outputs(choices: argparse.Namespace, source: Path) -> tuple[Path | None, Pat
 
 def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
     writable = exportable()
-    inputs = {source.resolve() for source in choices.inputs}
-    taken: set[Path] = set()
+    targets: list[Path] = []
     for source in choices.inputs:
         file, picture = outputs(choices, source)
         # An input without a known suffix has its own message.
@@ -95,13 +96,31 @@ def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
                 return f"this Blender writes no {file.suffix or 'files without suffix'}: {file}"
         if picture is not None and picture.suffix.lower() != ".png":
             return f"the picture has to be a .png: {picture}"
-        for target in filter(None, (file, picture)):
-            place = target.resolve()
-            if place in taken:
-                return f"two inputs would become {target}"
-            if place in inputs and target != choices.output:
-                return f"{target} is an input; name it with -o, or choose another folder"
-            taken.add(place)
+        targets += [target for target in (file, picture) if target is not None]
+    return complaint_of_clashes(choices, targets)
+
+
+def complaint_of_clashes(
+    choices: argparse.Namespace, targets: list[Path], is_replaced: bool = True
+) -> str | None:
+    """What is wrong with writing these files, and the report, beside the inputs.
+
+    An input that is named as output is replaced if ``is_replaced``.
+    """
+    count = len(choices.inputs)
+    report = [] if choices.report is None else [choices.report]
+    keys = file_keys([*choices.inputs, *targets, *report])
+    inputs, taken = set(keys[:count]), set()
+    for target, key in zip(targets, keys[count:], strict=False):
+        if key in taken:
+            return f"two inputs would become {target}"
+        if key in inputs and not is_replaced:
+            return f"an input would be overwritten: {target}"
+        if key in inputs and target != choices.output:
+            return f"{target} is an input; name it with -o, or choose another folder"
+        taken.add(key)
+    if report and keys[-1] in inputs | taken:
+        return f"--report {choices.report} is an input or an output too"
     return None
 
 
@@ -144,6 +163,14 @@ def positive(text: str) -> float:
 def percent(text: str, least: float = 0.01) -> float:
     """Read a percentage; the sign is optional."""
     return number(text.removesuffix("%"), least, 100)
+
+
+def target_path(text: str) -> Path:
+    """A type of argument: a file to write, or a folder that is there if it ends like one."""
+    path = _path(text)
+    if text.endswith(("/", os.sep)) and not is_folder(path):
+        raise argparse.ArgumentTypeError(f"there is no folder {text}")
+    return path
 
 
 def _path(text: str) -> Path:

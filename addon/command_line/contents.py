@@ -124,8 +124,12 @@ def own_properties(obj: bpy.types.Object) -> list[str]:
 
 
 def armatures(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """The modifiers that have an armature move an object."""
-    return [item for item in obj.modifiers if item.type == "ARMATURE" and item.object is not None]
+    """The modifiers that have an armature move an object, and are on."""
+    return [
+        item
+        for item in obj.modifiers
+        if item.type == "ARMATURE" and item.object is not None and item.show_viewport
+    ]
 
 
 def is_animated(obj: bpy.types.Object) -> bool:

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from itertools import pairwise
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -24,8 +25,12 @@ from ..scene import applied
 from ..scene.notes import note
 from ..scene.shape_keys import SLIDER_RANGE
 from .arguments import number, percent, whole
+from .formats import HOLDS, NO
+from .frames import all_or_frames, frames_of, treat_frames
+from .load import Source, freeze
 from .progress import progress
-from .verb import Task, Verb
+from .save import save
+from .verb import Job, Task, Verb
 
 # A key's value is the gain less one.
 LEAST_GAIN, MOST_GAIN = SLIDER_RANGE[0] + 1, SLIDER_RANGE[1] + 1
@@ -143,6 +148,13 @@ All other formats hold the filtered shape."""
             action="store_true",
             help="split every object by itself, even where the open edges of several meet",
         )
+        add(
+            "--frames",
+            metavar="START-END[:STEP]",
+            type=all_or_frames,
+            help="split and filter what is seen in each of these frames, or in all. The file plays "
+            "them; of a format that cannot, there is a file for each",
+        )
         add_gains(parser)
 
     def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
@@ -159,6 +171,39 @@ All other formats hold the filtered shape."""
         if choices.base_amount and choices.base not in (None, "flow"):
             return "--base-amount goes with the smoothed base, --base flow"
         return complaint_of_gains(choices, asked.band_count, asked.least_steps)
+
+    def treat_all(
+        self, objects: list[bpy.types.Object], choices: argparse.Namespace, job: Job
+    ) -> None:
+        """Give objects their bands; over frames, have them play their filtered shapes."""
+        if choices.frames is None:
+            freeze(job.read, "; --frames all takes each as it is seen")
+            self.treat_groups(objects, choices, job)
+            return
+        frames = frames_of(choices.frames, job.read)
+
+        def treat(copies: list[bpy.types.Object], frame: int) -> None:
+            self.treat_groups(copies, choices, job, f", frame {frame}")
+
+        treat_frames(objects, frames, treat)
+
+    def write(
+        self,
+        file: Path,
+        only: Sequence[bpy.types.Object] | None,
+        choices: argparse.Namespace,
+        read: Source,
+    ) -> str | list[str]:
+        """Write the file, or one for each frame."""
+        if choices.frames is None or HOLDS[file.suffix.lower()]["animation"] != NO:
+            return super().write(file, only, choices, read)
+        written = []
+        for frame in frames_of(choices.frames, read):
+            bpy.context.scene.frame_set(frame)
+            path = file.with_stem(f"{file.stem}_{frame:04d}")
+            save(path.absolute(), only, read)
+            written.append(str(path))
+        return written
 
     def groups(
         self, objects: list[bpy.types.Object], choices: argparse.Namespace

@@ -1,7 +1,6 @@
 """``deform``: files in, shapes out of which parts were moved."""
 
 import argparse
-import re
 from collections.abc import Sequence
 
 import bpy
@@ -17,12 +16,11 @@ from ..scene.animation import travel
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from .arguments import percent
-from .formats import BLEND, HOLDS, YES
+from .formats import BLEND, HOLDS, NO
+from .frames import frames_argument
 from .places import group_of
 from .progress import progress, say
 from .verb import Task, Verb
-
-FRAMES = re.compile(r"(-?\d{1,6})-(-?\d{1,6})(?::(\d{1,6}))?")
 
 
 class Deform(Verb):
@@ -40,7 +38,8 @@ hold constraints in the file are deformed by them.
 
 A .blend keeps the deformation as a shape key, the parts as vertex groups and constraints, and an
 empty per --move to drag on; .glb, .gltf and .fbx carry the shape key too. All other formats hold
-the deformed shape, with --frames that of the current frame."""
+the deformed shape. With --frames .abc and USD files play it, others have that of the current
+frame."""
     examples = """\
   blender --command spectral_tv deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
   blender --command spectral_tv deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10
@@ -84,7 +83,7 @@ the deformed shape, with --frames that of the current frame."""
         add(
             "--frames",
             metavar="START-END[:STEP]",
-            type=_frames,
+            type=frames_argument,
             help="a shape key for each of these frames and the last one, played in turn as the "
             "handles move; those of --move go their way from the first to the last. With = where "
             "the first is negative: --frames=-10-40",
@@ -130,7 +129,7 @@ the deformed shape, with --frames that of the current frame."""
         suffix = None if task.file is None else task.file.suffix.lower()
         if suffix != BLEND:
             bpy.data.batch_remove(empties)
-        if choices.frames is not None and suffix is not None and HOLDS[suffix]["keys"] != YES:
+        if choices.frames is not None and suffix is not None and HOLDS[suffix]["animation"] == NO:
             frame = bpy.context.scene.frame_current
             note(f"{suffix} holds no animation of shapes: it has that of frame {frame}")
 
@@ -208,14 +207,3 @@ def _move(text: str) -> tuple[str, tuple[float, ...]]:
         message = f"{text!r} is not WHERE:DX,DY,DZ, such as 'z>90%:0,0,0.5'"
         raise argparse.ArgumentTypeError(message)
     return where, offset
-
-
-def _frames(text: str) -> list[int]:
-    found = FRAMES.fullmatch(text)
-    if found is None or int(found[3] or 1) == 0:
-        message = f"{text!r} is not START-END or START-END:STEP, such as 1-40:2"
-        raise argparse.ArgumentTypeError(message)
-    start, end, step = int(found[1]), int(found[2]), int(found[3] or 1)
-    if end < start:
-        raise argparse.ArgumentTypeError(f"frame {end} comes before frame {start}")
-    return baking.frames_of(start, end, step)

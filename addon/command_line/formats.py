@@ -161,6 +161,7 @@ FORMATS = {
             "use_mesh_modifiers": False,  # they are applied before
             "use_visible": True,
         },
+        {"anim_offset": 0.0},  # otherwise every round trip is a frame late
         keys=True,
     ),
     ".usd": _USD,

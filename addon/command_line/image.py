@@ -13,7 +13,15 @@ from ..images.properties import METRICS
 from ..images.reading import read_picture
 from ..images.saving import save_picture
 from ..scene.objects import Refusal
-from .arguments import EXIT_CODES, add_report, positive, whole
+from .arguments import (
+    EXIT_CODES,
+    add_report,
+    complaint_of_clashes,
+    is_folder,
+    positive,
+    target_path,
+    whole,
+)
 from .decompose import add_gains, band_values, complaint_of_gains
 from .progress import progress, say
 from .report import Entry
@@ -56,7 +64,7 @@ the color space of the input, as far as its format has them; only .exr gets scen
             "-o",
             "--output",
             metavar="OUTPUT",
-            type=Path,
+            type=target_path,
             required=True,
             help="the picture to write, or a folder that exists",
         )
@@ -122,11 +130,11 @@ the color space of the input, as far as its format has them; only .exr gets scen
     def complaint(self, choices: argparse.Namespace) -> str | None:
         """What is wrong with the arguments together; None if nothing is."""
         output = choices.output
-        if len(choices.inputs) > 1 and not output.is_dir():
+        if len(choices.inputs) > 1 and not is_folder(output):
             return f"several inputs need a folder that exists: -o {output}"
-        if choices.format is not None and not output.is_dir():
+        if choices.format is not None and not is_folder(output):
             return "--format goes with -o and a folder that exists"
-        if not output.is_dir() and not output.parent.is_dir():
+        if not is_folder(output) and not is_folder(output.parent):
             return f"there is no folder {output.parent}"
         reason = _complaint_of_targets(choices) or _complaint_of_space(choices)
         return reason or complaint_of_gains(choices, choices.bands, choices.steps)
@@ -149,24 +157,16 @@ the color space of the input, as far as its format has them; only .exr gets scen
 
 
 def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
-    inputs = {source.resolve() for source in choices.inputs}
-    taken: set[Path] = set()
-    for source in choices.inputs:
-        target = _target(choices, source)
+    targets = [_target(choices, source) for source in choices.inputs]
+    for target in targets:
         form = BY_SUFFIX.get(target.suffix.lower())
         if form is None:
-            hint = "; choose another with --format" if choices.output.is_dir() else ""
+            hint = "; choose another with --format" if is_folder(choices.output) else ""
             return f"pictures are written as {' '.join(BY_SUFFIX)}, not {target}{hint}"
         if choices.depth is not None and choices.depth not in form.depths:
             depths = " or ".join(form.depths)
             return f"the depth of a {target.suffix} is {depths}, not {choices.depth}: {target}"
-        place = target.resolve()
-        if place in taken:
-            return f"two inputs would become {target}"
-        if place in inputs:
-            return f"an input would be overwritten: {target}"
-        taken.add(place)
-    return None
+    return complaint_of_clashes(choices, targets, is_replaced=False)
 
 
 def _complaint_of_space(choices: argparse.Namespace) -> str | None:
@@ -183,7 +183,7 @@ def _complaint_of_space(choices: argparse.Namespace) -> str | None:
 
 
 def _target(choices: argparse.Namespace, source: Path) -> Path:
-    if not choices.output.is_dir():
+    if not is_folder(choices.output):
         return choices.output
     return choices.output / f"{source.stem}{choices.format or source.suffix}"
 

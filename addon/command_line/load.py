@@ -94,8 +94,11 @@ def load(path: Path) -> Source:
     )
 
 
-def freeze(source: Source) -> None:
-    """Keep the current frame of shapes that move, as what is played would undo every filter."""
+def freeze(source: Source, hint: str) -> None:
+    """Keep the current frame of shapes that move, as what is played would undo every filter.
+
+    ``hint`` tells what option takes all frames.
+    """
     if source.frames is None:
         return
     moving = [obj for obj in bpy.context.view_layer.objects if has_moving_shape(obj)]
@@ -104,13 +107,13 @@ def freeze(source: Source) -> None:
         f"{source.frames[0]} to {source.frames[-1]}"
     )
     if source.suffix == BLEND:
-        note(f"{told}, by modifiers: --frames all takes each frame as it is seen")
+        note(f"{told}, by modifiers{hint}")
         return
     for obj in moving:
         _freeze(obj)
     bpy.context.view_layer.update()
     frame = bpy.context.scene.frame_current
-    note(f"{told}: frame {frame} alone was taken; --frames all takes each")
+    note(f"{told}: frame {frame} alone was taken{hint}")
 
 
 def _freeze(obj: bpy.types.Object) -> None:

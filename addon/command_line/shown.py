@@ -17,6 +17,7 @@ from ..scene.coordinates import coordinates
 from ..scene.notes import listed, note
 from ..scene.shape_keys import SLIDER_RANGE
 from .contents import armatures
+from .copies import Dress, held, off, unhooked
 
 # So far, relative to the object's size, may keys that went through modifiers be off together.
 LINEAR = 1e-5
@@ -24,7 +25,6 @@ LINEAR = 1e-5
 ROUNDING = 1e-6
 
 Kept = Callable[[bpy.types.Object, bpy.types.ShapeKey], bool]
-Dress = Callable[[bpy.types.Mesh], None]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def shown(
     applied = [item for obj in objects for item in obj.modifiers if item not in rigged]
     copies: dict[tuple, bpy.types.Mesh] = {}
     try:
-        with _off(rigged):
+        with off(rigged):
             bpy.context.view_layer.update()
             laid_out = {obj: _copy(obj, kept, copies) for obj in objects}
         for copy in copies.values() if dress is not None else ():
@@ -64,60 +64,21 @@ def shown(
     except BaseException:
         bpy.data.batch_remove(list(copies.values()))
         raise
-    with _off(applied), _held(laid_out):
+    _tell_instances(objects)
+    with off(applied), unhooked(applied), held(laid_out):
         yield
 
 
-@contextmanager
-def dressed(objects: Sequence[bpy.types.Object], dress: Dress) -> Iterator[None]:
-    """Have mesh objects hold copies of their meshes, with the changes that a format asks for."""
-    copies = {mesh: mesh.copy() for mesh in dict.fromkeys(obj.data for obj in objects)}
-    for copy in copies.values():
-        dress(copy)
-    with _held({obj: copies[obj.data] for obj in objects}):
-        yield
-
-
-@contextmanager
-def _held(copies: dict[bpy.types.Object, bpy.types.Mesh]) -> Iterator[None]:
-    """Have objects hold copies under the names of what they are copies of, then remove them."""
-    before = {obj: obj.data for obj in copies}
-    names: dict[bpy.types.ID, str] = {}
-    actions = []
-    try:
-        for obj, copy in copies.items():
-            mesh = obj.data
-            obj.data = copy
-            pairs = [(mesh, copy)]
-            if (pair := _actions(mesh, copy)) is not None:
-                pairs.append(pair)
-                actions.append(pair[1])
-            for original, other in pairs:
-                names.setdefault(original, original.name)
-                original.name = f"{names[original]} (kept)"
-                other.name = names[original]
-        bpy.context.view_layer.update()
-        yield
-    finally:
-        for obj, mesh in before.items():
-            obj.data = mesh
-        bpy.data.batch_remove(list(dict.fromkeys([*copies.values(), *actions])))
-        for original, name in names.items():
-            original.name = name
-        bpy.context.view_layer.update()
-
-
-@contextmanager
-def _off(modifiers: Collection[bpy.types.Modifier]) -> Iterator[None]:
-    """Have modifiers be off that are on."""
-    on = [modifier for modifier in modifiers if modifier.show_viewport]
-    try:
-        for modifier in on:
-            modifier.show_viewport = False
-        yield
-    finally:
-        for modifier in on:
-            modifier.show_viewport = True
+def _tell_instances(objects: Sequence[bpy.types.Object]) -> None:
+    """Note which objects show others by their modifiers, which are in no mesh."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    parents = {
+        item.parent.original.name
+        for item in graph.object_instances
+        if item.is_instance and item.parent is not None
+    }
+    if shown := [obj.name for obj in objects if obj.name in parents and len(obj.modifiers)]:
+        note(f"left out: instances that {listed(shown)} shows; realize them to keep them")
 
 
 def _copy(obj: bpy.types.Object, kept: Kept, copies: dict[tuple, bpy.types.Mesh]) -> bpy.types.Mesh:
@@ -156,10 +117,10 @@ def _shape(obj: bpy.types.Object, kept: Kept, has_modifiers: bool) -> Shape | No
     base, moves = _moves(obj, wanted, values)
     size = float(np.linalg.norm(np.ptp(seen, axis=0))) if len(seen) else 0.0
     if all(shape.shape == seen.shape for shape in (base, *moves.values())):
-        off = seen - base - sum(values[name] * move for name, move in moves.items())
-        error = float(np.abs(off).max(initial=0.0))
+        apart = seen - base - sum(values[name] * move for name, move in moves.items())
+        error = float(np.abs(apart).max(initial=0.0))
         if not has_modifiers or error <= LINEAR * size:
-            base = base + off if error > ROUNDING * size else base
+            base = base + apart if error > ROUNDING * size else base
             return Shape(base, moves, {name: values[name] for name in wanted})
     if wanted:
         note(
@@ -270,12 +231,3 @@ def _play(
     slot = getattr(other, "action_slot", None)
     if action is not None and slot is not None:
         own.action_slot = next(item for item in action.slots if item.identifier == slot.identifier)
-
-
-def _actions(
-    mesh: bpy.types.Mesh, copy: bpy.types.Mesh
-) -> tuple[bpy.types.Action, bpy.types.Action] | None:
-    """The action of a mesh's keys, and the copy of it that was made for a copy, if there is one."""
-    both = [keys.animation_data for keys in (mesh.shape_keys, copy.shape_keys) if keys is not None]
-    own = [animation.action for animation in both if animation is not None]
-    return (own[0], own[1]) if len(own) == 2 and None not in own and own[0] != own[1] else None

@@ -11,7 +11,7 @@ import bpy
 import spectral_tv
 
 from ..files.whole import ensure_writable
-from ..scene.notes import gathered
+from ..scene.notes import gathered, listed
 from ..scene.objects import Refusal, refusal
 from . import errors, picture
 from .arguments import add_arguments, complaint, epilog, outputs
@@ -30,6 +30,16 @@ class Task:
 
     file: Path | None
     label: str
+
+
+@dataclass(frozen=True)
+class Job:
+    """An input under work: where it is, what becomes of it, what was read, and what is done."""
+
+    source: Path
+    file: Path | None
+    read: Source
+    done: list[list[str]]
 
 
 class Command:
@@ -171,20 +181,51 @@ class Verb(Command):
             reason = refusal(obj)
             if reason is not None:
                 raise Refusal(f"{obj.name}: {reason}")
-        freeze(read)
         entry.done = {"verb": self.name, "settings": settings_of(choices), "objects": []}
-        for group in self.groups(distinct, choices):
-            names = [obj.name for obj in group]
-            self._treat_group(group, choices, Task(file, f"{source}: {', '.join(names)}"))
-            entry.done["objects"].append(names)
+        self.treat_all(distinct, choices, Job(source, file, read, entry.done["objects"]))
+        only = objects if choices.objects else None
         if file is not None:
-            save(file.absolute(), objects if choices.objects else None, read)
-            entry.output = str(file)
-            say(f"{source}: wrote {file}")
+            entry.output = self.write(file, only, choices, read)
+            for path in [entry.output] if isinstance(entry.output, str) else entry.output:
+                say(f"{source}: wrote {path}")
         if shot is not None:
             picture.render(objects, shot.absolute())
             entry.picture = str(shot)
             say(f"{source}: wrote {shot}")
+
+    def treat_all(
+        self, objects: list[bpy.types.Object], choices: argparse.Namespace, job: "Job"
+    ) -> None:
+        """Treat objects that do not share meshes, as they are in the current frame."""
+        freeze(job.read, "")
+        self.treat_groups(objects, choices, job)
+
+    def write(
+        self,
+        file: Path,
+        only: Sequence[bpy.types.Object] | None,
+        _choices: argparse.Namespace,
+        read: Source,
+    ) -> str | list[str]:
+        """Write the file, and tell its name, or those of several that it became."""
+        save(file.absolute(), only, read)
+        return str(file)
+
+    def treat_groups(
+        self,
+        objects: list[bpy.types.Object],
+        choices: argparse.Namespace,
+        job: "Job",
+        label: str = "",
+    ) -> None:
+        """Treat objects, those of a group together."""
+        for group in self.groups(objects, choices):
+            names = [obj.name for obj in group]
+            self._treat_group(
+                group, choices, Task(job.file, f"{job.source}: {listed(names)}{label}")
+            )
+            if names not in job.done:
+                job.done.append(names)
 
     def _treat_group(
         self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task

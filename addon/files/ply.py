@@ -124,9 +124,45 @@ def skip(file: BinaryIO, element: Element, order: str) -> bool:
     if row is not None:
         file.seek(element.count * row.itemsize, 1)
         return True
+    if element.count == 0:
+        return True
     place = file.tell()
-    data = np.memmap(file, np.uint8, "r") if element.count else np.empty(0, np.uint8)
-    for _ in range(element.count):
+    data = np.memmap(file, np.uint8, "r")
+    end = _end_of_equals(data, place, element, order)
+    if end is None:
+        end = _end(data, place, element, order)
+    if end is None:
+        return False
+    file.seek(end)
+    return True
+
+
+def _end_of_equals(data: NDArray[np.uint8], place: int, element: Element, order: str) -> int | None:
+    """Where items end whose lists are all as long as those of the first one; None if not."""
+    first = _end(data, place, element, order, 1)
+    if first is None or place + (first - place) * element.count > len(data):
+        return None
+    size = first - place
+    rows = data[place : place + size * element.count].reshape(element.count, size)
+    at = 0
+    for item in element.properties:
+        width = np.dtype(item.type).itemsize
+        if item.count is None:
+            at += width
+            continue
+        count = np.dtype(order + item.count)
+        length = rows[:, at : at + count.itemsize]
+        if (length != length[0]).any():
+            return None
+        at += count.itemsize + int(length[0].copy().view(count)[0]) * width
+    return place + size * element.count
+
+
+def _end(
+    data: NDArray[np.uint8], place: int, element: Element, order: str, number: int | None = None
+) -> int | None:
+    """Where so many items end, or all, counted one by one; None if the data end before."""
+    for _ in range(element.count if number is None else number):
         for item in element.properties:
             width = np.dtype(item.type).itemsize
             if item.count is None:
@@ -134,11 +170,10 @@ def skip(file: BinaryIO, element: Element, order: str) -> bool:
                 continue
             count = np.dtype(order + item.count)
             if place + count.itemsize > len(data):
-                return False
+                return None
             length = int(data[place : place + count.itemsize].view(count)[0])
             place += count.itemsize + length * width
-    file.seek(place)
-    return True
+    return place
 
 
 @dataclass(frozen=True)

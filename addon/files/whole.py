@@ -70,9 +70,9 @@ def written(
             _remove(place.parent, token)
     except BaseException as error:
         _remove(place.parent, token)  # once more: Ctrl-C may have kept it from being done
-        if isinstance(error, NotWritten) or not isinstance(error, OSError) or error.errno is None:
+        if isinstance(error, NotWritten) or not isinstance(error, OSError):
             raise
-        raise NotWritten(target, os.strerror(error.errno)) from error
+        raise NotWritten(target, _reason(error)) from error
 
 
 def ensure_writable(target: Path) -> None:

@@ -152,7 +152,7 @@ def test_files_saved_in_edit_mode(monkey, tmp_path: Path):
 
 
 def test_render(tmp_path: Path):
-    pictures = tmp_path / "pictures"
+    pictures = tmp_path / "pictures {#} ##"  # which mean more to Blender's renderer
     pictures.mkdir()
     inputs = [str(write_monkey(tmp_path / name)) for name in ("a.ply", "b.obj")]
     assert run(["decompose", *inputs, "--render", str(pictures), *QUICK]) == 0

@@ -248,3 +248,30 @@ def test_writing_leaves_the_scene_as_it_was(tmp_path: Path):
         for suffix in write_all:
             save(tmp_path / f"out{suffix}", None, read)
             assert described() == before, suffix
+
+
+def test_instances_that_cannot_come_along_are_told(tmp_path: Path, capfd):
+    source = tmp_path / "in.blend"
+    obj = relief()
+    group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    group.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("Out", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    names = (
+        "NodeGroupInput",
+        "GeometryNodeInstanceOnPoints",
+        "NodeGroupOutput",
+        "GeometryNodeMeshCube",
+    )
+    start, scatter, end, cube = (group.nodes.new(name) for name in names)
+    join = group.nodes.new("GeometryNodeJoinGeometry")
+    group.links.new(start.outputs[0], scatter.inputs["Points"])
+    group.links.new(cube.outputs["Mesh"], scatter.inputs["Instance"])
+    for node in (start, scatter):
+        group.links.new(node.outputs[0], join.inputs[0])
+    group.links.new(join.outputs[0], end.inputs[0])
+    obj.modifiers.new("Scatter", "NODES").node_group = group
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    for suffix in (".glb", ".fbx"):
+        target = tmp_path / f"out{suffix}"
+        assert run(["decompose", str(source), "-o", str(target), *QUICK]) == 0
+        assert "left out: instances that Grid shows" in capfd.readouterr().err

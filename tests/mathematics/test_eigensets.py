@@ -118,7 +118,7 @@ def test_members_are_a_mask_weights_or_indices():
     [
         (np.ones(2562, bool), "no boundary"),
         (np.zeros(2562, bool), "no boundary"),
-        (np.ones(7, bool), "one value per vertex"),
+        (np.ones(7, bool), "7 truth values, but there are 2562 vertices"),
         ([3, 2562], "index 2562, but the vertices are 0 to 2561"),
         ([-1], "index -1"),
     ],

@@ -9,6 +9,7 @@ import argparse
 import os
 import sys
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,13 +51,15 @@ def main() -> None:
 
     for method, _, _ in tqdm(METHODS, desc="Decomposing", unit=" methods"):
         bpy.ops.spectral_tv.decompose(method=method, bands=BANDS)
-    bpy.ops.wm.save_as_mainfile(filepath=str(blend.resolve()), compress=True)
-    with tqdm(total=100, desc="Rendering  ", unit=" %") as bar:
+    written = import_module("bl_ext.user_default.spectral_tv.files.whole").written
+    with written(blend) as path:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True, copy=True)
+    with written(picture) as path, tqdm(total=100, desc="Rendering  ", unit=" %") as bar:
         sheets = [sheet(obj, *method) for method in METHODS]
         render(
             obj,
             sheets,
-            picture,
+            path,
             cell=arguments.cell,
             azimuth=arguments.azimuth,
             progress=lambda fraction: bar.update(round(100 * fraction) - bar.n),

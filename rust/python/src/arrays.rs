@@ -269,7 +269,7 @@ fn flat<T: Element + Copy>(name: &str, array: &Bound<'_, PyAny>) -> Result<Vec<T
 /// integers, the vertices' indices. Integers that are 0 or 1 for every vertex are truth values, too.
 pub fn set(name: &str, value: &Bound<'_, PyAny>, count: usize) -> Result<Vec<bool>, Failure> {
     let (array, kind) = array(name, value, WEIGHTS)?;
-    if kind == "f" && array.len()? > 0 {
+    if kind == "f" && array.getattr("size")?.extract::<usize>()? > 0 {
         let values: Vec<f64> = flat(name, &converted(&array, "float64")?)?;
         return match values.iter().position(|value| value.is_nan()) {
             Some(place) => {

@@ -1,0 +1,260 @@
+"""Having Blender write each format in a scene that is laid out for it."""
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..files.checks import check
+from ..files.checks.torn import require
+from ..files.room import with_room
+from ..scene.animation import curves_of
+from ..scene.objects import Refusal
+from . import digits
+from .contents import armatures, is_animated
+from .copies import dressed
+from .dress import dress_of
+from .formats import FORMATS, call
+from .load import Source
+from .shown import Kept, shown
+from .textures import beside, folder_name
+
+# How many bytes an Alembic file takes at most for a vertex, a corner, and for all else.
+ABC_VERTEX, ABC_CORNER, ABC_REST = 48, 160, 1 << 20
+
+
+@dataclass
+class Export:
+    """One file to be written: where it goes, what is in it, what it came from, and how."""
+
+    target: Path
+    suffix: str
+    objects: list[bpy.types.Object]
+    source: Source
+    options: dict[str, Any]
+
+    @property
+    def meshes(self) -> list[bpy.types.Object]:
+        """The objects with meshes."""
+        return [obj for obj in self.objects if obj.type == "MESH"]
+
+    def call(self, place: Path) -> None:
+        """Have Blender write the file."""
+        name = FORMATS[self.suffix].exporter
+        if not call(name, filepath=str(place), check_existing=False, **self.options):
+            raise Refusal(f"Blender could not write {self.target}")
+
+    def dressed(self) -> AbstractContextManager[None]:
+        """Have meshes be copies with the changes that the format asks for, if it does."""
+        dress = dress_of(self.suffix)
+        return nullcontext() if dress is None else dressed(self.meshes, dress)
+
+
+def write(place: Path, export: Export) -> None:
+    """Write a file in a scene that is laid out for its format."""
+    match export.suffix:
+        case ".glb" | ".gltf":
+            _export_gltf(place, export)
+        case ".fbx":
+            _export_fbx(place, export)
+        case ".abc":
+            _export_abc(place, export)
+        case ".obj":
+            _export_obj(place, export)
+        case ".ply":
+            _export_ply(place, export)
+        case ".stl":
+            _export_stl(place, export)
+        case ".dae":
+            with _beside(place, export):
+                export.call(place)
+        case _:
+            _export_usd(place, export)
+
+
+def is_text(suffix: str, source: Source) -> bool:
+    """Whether a .ply or .stl is to be one of text, as the input is."""
+    return source.suffix == suffix and source.digits.is_text
+
+
+def _shown(
+    export: Export, objects: Sequence[bpy.types.Object], kept: Kept = lambda _obj, _key: True
+) -> AbstractContextManager[None]:
+    rigs = {obj for obj in export.objects if obj.type == "ARMATURE"}
+    return shown(objects, kept, rigs, dress_of(export.suffix))
+
+
+def _export_gltf(place: Path, export: Export) -> None:
+    rigs = [obj for obj in export.objects if obj.type == "ARMATURE"]
+    # Without animation the pose is seen where it is the rest.
+    export.options["export_rest_position_armature"] = not rigs or any(map(is_animated, rigs))
+    if not _has_takes():
+        export.options["export_animation_mode"] = "ACTIVE_ACTIONS"  # they are played together
+    if export.suffix == ".gltf":
+        export.options["export_texture_dir"] = folder_name(place)
+    with _shown(export, export.meshes):
+        export.call(place)
+
+
+def _export_fbx(place: Path, export: Export) -> None:
+    if not _has_takes():
+        # One take of all that moves: takes of single actions begin at 0, without shape keys.
+        export.options["bake_anim_use_nla_strips"] = False
+        export.options["bake_anim_use_all_actions"] = False
+    with _shown(export, export.meshes):
+        export.call(place)
+
+
+def _has_takes() -> bool:
+    """Whether there is more animation than what is played."""
+    animations = [item.animation_data for item in _animated_data() if item.animation_data]
+    played = {animation.action for animation in animations}
+    return any(animation.nla_tracks for animation in animations) or any(
+        action not in played and action.users > 0 for action in bpy.data.actions
+    )
+
+
+def _export_abc(place: Path, export: Export) -> None:
+    scene = bpy.context.scene
+    frames = scene.frame_start, scene.frame_end
+    if not _moves():  # otherwise a copy of the shape for every frame
+        frames = scene.frame_current, scene.frame_current
+    export.options["start"], export.options["end"] = frames
+    # Without materials it would write one of its own.
+    has_materials = any(slot.material for obj in export.meshes for slot in obj.material_slots)
+    export.options["face_sets"] = has_materials
+    graph = bpy.context.evaluated_depsgraph_get()
+    most = ABC_REST
+    for obj in export.meshes:
+        mesh = obj.evaluated_get(graph).data
+        most += len(mesh.vertices) * ABC_VERTEX + len(mesh.loops) * ABC_CORNER
+    # A disk that gets full would end the process.
+    with export.dressed(), with_room(place, most * (frames[1] - frames[0] + 1)) as path:
+        export.call(path)
+
+
+def _export_obj(place: Path, export: Export) -> None:
+    # Beside the target, so that textures are found from there.
+    first = place.parent.with_suffix(".obj")
+    with export.dressed(), _beside(place, export):
+        export.call(first)
+        digits.finish_obj(first, place, export.source.digits, export.meshes)
+    materials = first.with_suffix(".mtl")
+    if materials.exists():
+        _ensure_materials(place, materials)
+        os.replace(materials, place.with_suffix(".mtl"))
+
+
+def _ensure_materials(place: Path, materials: Path) -> None:
+    """Raise Torn if a material that is used is not whole."""
+    with materials.open("rb") as file:
+        lines = list(file)
+    defined = {line.split(None, 1)[1] for line in lines if line.startswith(b"newmtl ")}
+    with place.open("rb") as file:
+        used = {line.split(None, 1)[1] for line in file if line.startswith(b"usemtl ")}
+    is_whole = used <= defined and (not lines or lines[-1].endswith(b"\n"))
+    require(is_whole, "its materials are not all there")
+
+
+def _export_ply(place: Path, export: Export) -> None:
+    source = export.source
+    export.options["export_normals"] = source.has_normals or any(
+        obj.data.has_custom_normals for obj in export.meshes
+    )
+    comments = source.comments if source.suffix == ".ply" else ()
+    export.options["ascii_format"] = is_text(".ply", source)
+    with export.dressed():
+        export.call(place)
+    check(place)
+    digits.finish_ply(place, source.digits, comments)
+
+
+def _export_stl(place: Path, export: Export) -> None:
+    source = export.source
+    export.options["ascii_format"] = is_text(".stl", source)
+    export.call(place)
+    check(place)
+    if source.digits.is_moved and export.options["ascii_format"]:
+        digits.finish_stl(place, source.digits)
+
+
+def _export_usd(place: Path, export: Export) -> None:
+    own = export.source.keys
+
+    def is_kept(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bool:
+        return key.name in own.get(obj.name, ()) or _is_animated_key(obj, key)
+
+    keyed = [obj for obj in export.meshes if obj.data.shape_keys is not None]
+    has_kept = any(is_kept(obj, key) for obj in keyed for key in obj.data.shape_keys.key_blocks[1:])
+    # What has a skeleton is written as it is without its keys.
+    laid_out = keyed if has_kept else [obj for obj in keyed if armatures(obj)]
+    export.options["export_shapekeys"] = has_kept
+    export.options["export_animation"] = has_kept or _moves()
+    # Beside the target, so that textures are found from there; an archive has a file of its name.
+    is_archive = export.suffix == ".usdz"
+    first = place if is_archive else place.parent.with_suffix(export.suffix)
+    export.options["export_textures_mode"] = "NEW" if is_archive else "KEEP"
+    textures = nullcontext() if is_archive else _beside(place, export)
+    with _parented(export), _shown(export, laid_out, is_kept), textures, _frames_that_move():
+        export.call(first)
+    if first != place:
+        os.replace(first, place)
+
+
+@contextmanager
+def _parented(export: Export) -> Iterator[None]:
+    """Have meshes be children of the armatures that move them.
+
+    Blender's importer takes others to be where the armature's own space begins.
+    """
+    loose = [(obj, armatures(obj)[0].object) for obj in export.meshes if armatures(obj)]
+    loose = [(obj, rig) for obj, rig in loose if obj.parent is None and rig in export.objects]
+    before = [obj.matrix_parent_inverse.copy() for obj, _ in loose]
+    try:
+        for obj, rig in loose:
+            obj.parent = rig
+            obj.matrix_parent_inverse = rig.matrix_world.inverted_safe()
+        yield
+    finally:
+        for (obj, _), inverse in zip(loose, before, strict=True):
+            obj.parent = None
+            obj.matrix_parent_inverse = inverse
+
+
+def _beside(place: Path, export: Export) -> AbstractContextManager[None]:
+    return beside(export.objects, export.target, place.parent)
+
+
+def _is_animated_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bool:
+    animation = obj.data.shape_keys.animation_data
+    curves = curves_of(obj.data.shape_keys) or ()
+    drivers = animation.drivers if animation is not None else ()
+    return any(curve.data_path == key.path_from_id("value") for curve in (*curves, *drivers))
+
+
+def _animated_data() -> list[bpy.types.ID]:
+    """All that may be animated in the scene."""
+    objects = list(bpy.context.scene.objects)
+    return [*objects, *bpy.data.shape_keys]
+
+
+def _moves() -> bool:
+    """Whether something in the scene moves as frames go by."""
+    return any(is_animated(obj) for obj in bpy.context.scene.objects)
+
+
+@contextmanager
+def _frames_that_move() -> Iterator[None]:
+    """Have the scene consist of its current frame if nothing moves."""
+    scene = bpy.context.scene
+    before = scene.frame_start, scene.frame_end
+    if not _moves():
+        scene.frame_start = scene.frame_end = scene.frame_current
+    try:
+        yield
+    finally:
+        scene.frame_start, scene.frame_end = before
