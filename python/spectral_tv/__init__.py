@@ -9,6 +9,9 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 >>> bands = split.bands(split.band_edges(5))          # (5, V, 3), finest first
 >>> smooth = split.residual + bands[2:].sum(axis=0)   # without the two finest
 
+>>> mesh = spectral_tv.Mesh(vertices, triangles, weld=1e-6)  # joins near corners
+>>> bands[:, mesh.weld_map]                            # at the vertices that were handed in
+
 >>> bent = spectral_tv.deform(mesh, indices, targets)  # the others follow in rigid pieces
 >>> bent.vertices, bent.gap                            # (V, 3), and how near to the optimum
 """

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import spectral_tv
 from shapes import bumpy_sphere, cylinder_open, dumbbell, icosphere
+from torn import half_grids
 
 METHODS = ["naive", "m1", "m2", "m3", "heat", "lb"]
 SCHEMES = ["lagged", "extrapolated", "exact"]
@@ -139,6 +140,20 @@ def test_bad_triangles_loose_vertices_and_fins(method):
     assert np.isfinite(bands).all()
     np.testing.assert_allclose(bands.sum(axis=0) + split.residual, vertices, atol=1e-9)
     np.testing.assert_allclose(split.residual[v + 2], [9, 9, 9], atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["naive", "m1", "m2", "m3", "heat"])
+def test_vertices_in_no_triangle_change_nothing(method):
+    """Nor on which side of its base M3 takes a relief to be, of which nearly all is at it."""
+    whole = spectral_tv.Mesh(*half_grids(9, 33, 0.0), weld=1e-6)
+    vertices, triangles = whole.vertices, whole.triangles
+    more = np.vstack([vertices, vertices[:9] + 1e-3])
+    split, other = (
+        spectral_tv.decompose(spectral_tv.Mesh(places, triangles), method, steps=12)
+        for places in (vertices, more)
+    )
+    np.testing.assert_allclose(other.residual[:-9], split.residual, atol=1e-10)
+    np.testing.assert_allclose(other.residual[-9:], more[-9:], atol=1e-12)
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e7])

@@ -74,8 +74,9 @@ impl Mesh {
         };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let (mesh, doubts) = made(py, vertices, &triangles, |vertices, triangles| {
-            let mesh = TriangleMesh::repaired(vertices, triangles, &repair)?;
+        let (mesh, doubts) = guarded(py, |stage| {
+            claim(stage, vertices.len(), triangles.len(), repair.weld)?;
+            let mesh = TriangleMesh::repaired(vertices, &triangles, &repair)?;
             let doubts = mesh.doubts(repair.weld);
             Ok((mesh, doubts))
         })?;
@@ -143,11 +144,8 @@ impl Mesh {
     fn findings(&self, py: Python<'_>) -> Result<Findings, Failure> {
         Ok(Findings {
             inner: guarded(py, |stage| {
-                claim(
-                    stage,
-                    self.inner.vertex_count(),
-                    self.inner.triangles().len(),
-                )?;
+                let triangles = self.inner.triangles().len();
+                claim(stage, self.inner.vertex_count(), triangles, None)?;
                 Ok(*self.inner.findings())
             })?,
         })
@@ -209,8 +207,9 @@ impl Pickled for Mesh {
             Some(found) => Some(found.cast::<Findings>().map_err(PyErr::from)?.get().inner),
             None => None,
         };
-        let mesh = made(py, vertices, &triangles, |vertices, triangles| {
-            TriangleMesh::from_parts(vertices, triangles, weld_map, findings)
+        let mesh = guarded(py, |stage| {
+            claim(stage, vertices.len(), triangles.len(), None)?;
+            TriangleMesh::from_parts(vertices, &triangles, weld_map, findings)
         })?;
         Ok(Self {
             inner: Arc::new(mesh),
@@ -228,22 +227,19 @@ fn read_weld_map(map: &[i64]) -> Result<Vec<Option<u32>>, Failure> {
     Ok(map.iter().map(place).collect::<Result<_, _>>()?)
 }
 
-/// Makes a mesh, if there is memory for it.
-fn made<T: Send>(
-    py: Python<'_>,
-    vertices: Vec<[f64; 3]>,
-    triangles: &[[i64; 3]],
-    make: impl FnOnce(Vec<[f64; 3]>, &[[i64; 3]]) -> spectral_tv::Result<T> + Send,
-) -> Result<T, Failure> {
-    guarded(py, |stage| {
-        claim(stage, vertices.len(), triangles.len())?;
-        make(vertices, triangles)
-    })
-}
-
-fn claim(stage: Stage, vertices: usize, triangles: usize) -> spectral_tv::Result<()> {
+/// Claims what making a mesh takes, and welding it with a length above 0.
+fn claim(
+    stage: Stage,
+    vertices: usize,
+    triangles: usize,
+    weld: Option<f64>,
+) -> spectral_tv::Result<()> {
+    let welding = match weld {
+        Some(length) if length > 0.0 => needs::welding(vertices),
+        _ => 0,
+    };
     stage.claim(
-        needs::mesh(vertices, triangles),
+        needs::mesh(vertices, triangles).saturating_add(welding),
         &format!("a mesh of {vertices} vertices and {triangles} triangles"),
         "take a smaller one",
     )

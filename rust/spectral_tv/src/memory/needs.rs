@@ -102,6 +102,12 @@ pub fn mesh(vertices: usize, triangles: usize) -> u64 {
     of_vertices.saturating_add(16 * NUMBER * triangles as u64)
 }
 
+/// Bytes of joining a mesh of so many vertices, if all of them are on open edges and no two at
+/// the same place.
+pub fn welding(vertices: usize) -> u64 {
+    64 * NUMBER * vertices as u64
+}
+
 /// Bytes of `count` functions of one value at each of so many vertices.
 pub fn functions(count: usize, vertices: u64) -> u64 {
     NUMBER.saturating_mul(count as u64).saturating_mul(vertices)

@@ -12,7 +12,7 @@ use crate::mesh::weld::Patch;
 
 /// Gaps up to this share of the size, the root of the area, are taken for mistakes.
 const GAP: f64 = 1e-5;
-/// The same where most edges are open, if it joins most of them.
+/// The same where hardly any triangle is joined to another, if it joins most of them.
 const WIDE_GAP: f64 = 1e-2;
 /// The least length to weld with that is named, unless it is 0, relative to the size.
 const LEAST_WELD: f64 = 1e-7;
@@ -197,13 +197,14 @@ impl TriangleMesh {
             return found;
         };
         let is_alone = open as f64 > ALONE * edges as f64 && triangles.len() >= FEW_TRIANGLES;
-        let alone = is_alone.then_some(Doubt::Alone {
+        if !is_alone {
+            return found;
+        }
+        let wide = nearly(WIDE_GAP).filter(closes(MOST));
+        wide.or(found.filter(closes(MANY))).or(Some(Doubt::Alone {
             open_edges: open,
             edges,
-        });
-        let many = found.clone().filter(closes(MANY));
-        let wide = nearly(WIDE_GAP).filter(closes(MOST));
-        wide.or(many).or(alone).or(found)
+        }))
     }
 
     fn patch(&self, border: &[OpenEdge]) -> Patch {
@@ -341,7 +342,7 @@ mod tests {
         let pairs = 30_000;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         for pair in 0..pairs {
-            let x = 10.0 * f64::from(pair);
+            let x = 1e3 * f64::from(pair);
             let first = vertices.len() as i64;
             let corners = [[0., 0., 0.], [9., 0., 0.], [0., 9., 0.]];
             let others = [[9., 0., 1e-4], [9., 9., 0.], [0., 9., 1e-4]];
