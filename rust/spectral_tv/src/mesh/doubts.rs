@@ -163,9 +163,8 @@ impl TriangleMesh {
         // Where two triangles are at every other edge, there are (3 F + open) / 2 edges.
         let edges = (open > triangles.len()).then(|| edge_count(triangles));
         let size = self.area().sqrt();
-        let mut whole = self.patch(&border);
-        whole.surface.join_coincident();
-        let closed = whole.surface.closed_edges();
+        let mut whole = self.patch(&border).surface;
+        whole.join_coincident();
         let torn = |share: f64, coincident: usize, weld: f64| Doubt::Torn {
             open_edges: open,
             edges: edges.filter(|_| share > MOST),
@@ -173,22 +172,28 @@ impl TriangleMesh {
             coincident,
             weld,
         };
-        let exact = closed as f64 / open as f64;
-        let coincident = whole.surface.joined_count();
-        let sample = sample(&border, self.vertices());
+        let exact = whole.closed_edges() as f64 / open as f64;
+        let coincident = whole.joined_count();
+        let part = match open > MOST_EDGES {
+            true => {
+                let mut part = self.patch(&slab(&border, self.vertices())).surface;
+                part.join_coincident();
+                part
+            }
+            false => whole.clone(),
+        };
         let nearly = |gap: f64| {
-            let mut patch = self.patch(&sample);
-            patch.surface.join_coincident();
-            let exact = patch.surface.closed_edges();
-            patch.surface.join_within(gap * size);
-            let closed = patch.surface.closed_edges();
+            let mut surface = part.clone();
+            surface.join_within(gap * size);
+            let (exact, closed) = (part.closed_edges(), surface.closed_edges());
             // A corner may be on an edge to the last digit.
-            let weld = rounded_up(patch.surface.widest_gap().max(LEAST_WELD * size));
-            (closed > exact).then(|| torn(closed as f64 / sample.len() as f64, 0, weld))
+            let weld = rounded_up(surface.widest_gap().max(LEAST_WELD * size));
+            let share = closed as f64 / part.border_length() as f64;
+            (closed > exact).then(|| torn(share, 0, weld))
         };
         let closes = |least: f64| move |doubt: &Doubt| matches!(doubt, Doubt::Torn { share, .. } if *share > least);
         let exactly = (exact > 0.0).then(|| torn(exact, coincident, 0.0));
-        let near = match whole.surface.border() {
+        let near = match whole.border() {
             [] => None,
             _ => nearly(GAP),
         };
@@ -230,8 +235,8 @@ impl Scan {
             for &corners in part.iter().filter(|corners| !repeats_an_index(corners)) {
                 let [a, b, c] = corners.map(spread);
                 odd ^= a.wrapping_mul(b) ^ b.wrapping_mul(c) ^ c.wrapping_mul(a);
-                let sum = corners.iter().fold(0, |sum, &corner| sum ^ corner);
-                if spread(sum).leading_zeros() >= rarity {
+                // The same for all triangles with these corners.
+                if (a ^ b ^ c).leading_zeros() >= rarity {
                     let mut corners = corners;
                     corners.sort_unstable();
                     sample.push(corners);
@@ -273,12 +278,9 @@ fn edge_count(triangles: &[[u32; 3]]) -> usize {
     edges.len()
 }
 
-/// The edges of `border`, or where they are very many, those in a slab across the axis along which
-/// they extend farthest.
-fn sample(border: &[OpenEdge], vertices: &[[f64; 3]]) -> Vec<OpenEdge> {
-    if border.len() <= MOST_EDGES {
-        return border.to_vec();
-    }
+/// The edges of a longer `border` that are in a slab across the axis along which they extend
+/// farthest.
+fn slab(border: &[OpenEdge], vertices: &[[f64; 3]]) -> Vec<OpenEdge> {
     let at = |axis: usize, edge: &OpenEdge| vertices[edge.ends[0] as usize][axis];
     let extent = |axis: usize| {
         let range = border

@@ -96,6 +96,11 @@ impl Surface {
         &self.border
     }
 
+    /// How many open edges there were at the start.
+    pub fn border_length(&self) -> usize {
+        self.bordering.len()
+    }
+
     /// How many fewer open edges there are than at the start, without those of triangles that have
     /// vanished, as two of their corners were at one place.
     pub fn closed_edges(&self) -> usize {
