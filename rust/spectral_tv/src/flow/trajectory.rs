@@ -224,3 +224,61 @@ fn stacked(parts: &[Array2<f64>]) -> Array2<f64> {
     let views: Vec<_> = parts.iter().map(|part| part.view()).collect();
     concatenate(Axis(0), &views).expect("all are on the same vertices")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::arr2;
+
+    type Parts = (Vec<f64>, Array2<f64>, Vec<Increment>, Vec<f64>, Vec<f64>);
+
+    fn parts() -> Parts {
+        let single = Increment::Single {
+            values: arr2(&[[1.0, -0.5]]),
+            unit: 4.0,
+        };
+        let increments = vec![Increment::Double(arr2(&[[0.5, 0.25]])), single];
+        let initial = arr2(&[[1.0, 2.0]]);
+        (
+            vec![0.0, 1.0, 2.0],
+            initial,
+            increments,
+            vec![3.0, 2.0, 1.0],
+            vec![0.0; 2],
+        )
+    }
+
+    fn restored((times, initial, increments, variations, gaps): Parts) -> Result<Trajectory> {
+        Trajectory::restored(times, initial, increments, variations, gaps)
+    }
+
+    #[test]
+    fn a_flow_of_the_parts_of_another_has_its_states() {
+        let states: Vec<_> = restored(parts()).unwrap().states().collect();
+        let expected = [[1.0, 2.0], [1.5, 2.25], [5.5, 0.25]].map(|state| arr2(&[state]));
+        assert_eq!(states, expected);
+    }
+
+    #[test]
+    fn parts_that_do_not_go_together_are_refused() {
+        let spoils: [fn(&mut Parts); 9] = [
+            |parts| parts.0[1] = 0.0,
+            |parts| parts.0.truncate(1),
+            |parts| parts.1 = Array2::zeros((2, 1)),
+            |parts| parts.1[[0, 1]] = f64::NAN,
+            |parts| parts.2.truncate(1),
+            |parts| parts.2[1] = Increment::Double(arr2(&[[f64::INFINITY, 0.0]])),
+            |parts| {
+                let values = arr2(&[[0.0_f32, 0.0]]);
+                parts.2[0] = Increment::Single { values, unit: 0.0 };
+            },
+            |parts| parts.3.push(0.0),
+            |parts| parts.4[0] = f64::NAN,
+        ];
+        for spoil in spoils {
+            let mut parts = parts();
+            spoil(&mut parts);
+            assert!(matches!(restored(parts), Err(Error::Argument(_))));
+        }
+    }
+}

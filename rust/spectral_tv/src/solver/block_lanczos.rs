@@ -16,6 +16,7 @@ use ndarray::{Array2, ArrayView2, Axis, Slice};
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::solver::scratch;
 
 /// Vectors that are iterated together; more than any finite symmetry group makes equal.
 const BLOCK: usize = 8;
@@ -214,6 +215,7 @@ fn ritz_pairs(matrix: &Array2<f64>, count: usize, stage: Stage) -> Result<(Vec<f
         .iter()
         .fold(f64::MIN_POSITIVE, |most, entry| most.max(entry.abs()));
     let dense = Mat::from_fn(size, size, |i, j| matrix[[i, j]] / scale);
+    scratch::check(1)?;
     let (sender, receiver) = channel();
     let spawned = thread::Builder::new()
         .name("spectral_tv".into())

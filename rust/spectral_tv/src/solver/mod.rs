@@ -11,9 +11,11 @@ mod examples;
 mod graph;
 mod linear_solver;
 mod multigrid;
+mod scratch;
 
 pub use block_lanczos::{Operator, largest_eigenpairs};
-pub use cholesky::{Analysis, Cholesky, warm_up};
+pub use cholesky::{Analysis, Cholesky};
 pub use conjugate_gradients::conjugate_gradients;
 pub use linear_solver::{Demand, LinearSolver, Solver};
 pub use multigrid::Multigrid;
+pub use scratch::warm_up;

@@ -9,7 +9,6 @@
 mod dissection;
 mod factor;
 mod front;
-mod scratch;
 mod separator;
 mod solve;
 mod supernodes;
@@ -27,8 +26,8 @@ use sprs::CsMatI;
 use crate::error::{Error, Result};
 use crate::memory::NUMBER;
 use crate::monitor::Stage;
+use crate::solver::scratch;
 use factor::Numbers;
-pub use scratch::warm_up;
 use supernodes::Supernodes;
 use units::Unit;
 

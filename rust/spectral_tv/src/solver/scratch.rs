@@ -16,7 +16,7 @@ use crate::memory::check_promise;
 use crate::monitor::Stage;
 
 /// For refusals.
-const WHAT: &str = "what the threads take to factorize";
+const WHAT: &str = "what threads take to multiply matrices";
 const ADVICE: &str = "take fewer threads, or a smaller mesh";
 
 /// Bytes of them where it is not known yet: larger than most.
@@ -40,11 +40,19 @@ pub(super) fn prepare(stage: Stage) -> Result<()> {
     let ready = rayon::broadcast(|_| IS_READY.get());
     let missing = ready.iter().filter(|is_ready| !**is_ready).count();
     if missing > 0 {
-        let needed = missing.saturating_mul(bytes());
-        check_promise(needed as u64, WHAT, ADVICE)?;
+        check(missing)?;
         rayon::broadcast(|_| multiply());
     }
     stage.check()
+}
+
+/// Refuses work on so many new threads if these cannot make their own.
+///
+/// # Errors
+/// [`crate::Error::Memory`].
+pub(super) fn check(threads: usize) -> Result<()> {
+    let needed = threads.saturating_mul(bytes());
+    check_promise(needed as u64, WHAT, ADVICE)
 }
 
 /// Finds out how large they are on this machine, which takes some milliseconds and a thread. To be
