@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bpy
 
+from ..files.room import with_room
 from ..files.whole import ensure_writable
 from ..images import colors
 from ..images.bands import Choice, filtered, prepare
@@ -31,6 +32,8 @@ from .writing import written_by_blender
 
 # Formats and their depths, for the help.
 WRITES = ", ".join(f"{suffix} ({' '.join(form.depths)})" for suffix, form in BY_SUFFIX.items())
+# What a pixel takes at most, and a picture beside its pixels, bytes.
+PIXEL, REST = 16, 1 << 20
 
 
 class Filter(Command):
@@ -154,8 +157,10 @@ the color space of the input, as far as its format has them; only .exr gets scen
             flow = prepared.request.run(show)
         result = replace(picture, pixels=filtered(prepared, choice, flow))
         entry.done = {"verb": self.name, "settings": settings_of(choices)}
-        with written_by_blender(target) as path:
-            save_picture(result, path, choices.depth, choices.quality)
+        # A disk that gets full would end the process when Blender reads what it has written.
+        most = REST + PIXEL * picture.pixels.stored[..., 0].size
+        with written_by_blender(target) as path, with_room(path, most) as place:
+            save_picture(result, place, choices.depth, choices.quality)
         entry.output = str(target)
         say(f"{source}: wrote {target}")
 

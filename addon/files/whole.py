@@ -66,6 +66,12 @@ def written(
             _sync(place.parent)
         except Torn as error:
             raise NotWritten(target, _cut_short(error, place.parent)) from error
+        except (OSError, RuntimeError):
+            raise
+        except Exception as error:  # who reads what was written may not know why it is wrong
+            if not _is_full(place.parent):
+                raise
+            raise NotWritten(target, f"{error}; its disk is full") from error
         finally:
             _remove(place.parent, token)
     except BaseException as error:
@@ -128,9 +134,9 @@ def _make_sure(target: Path, temporary: Path, check: Callable[[Path], None]) -> 
     """Bring the file to the disk; raises NotWritten if there is none, Torn if it is not whole."""
     if not temporary.is_file():
         raise NotWritten(target, "nothing was written")
-    check(temporary)
     if _is_full(temporary.parent) and _has_hole(temporary):
         raise Torn("it has holes")
+    check(temporary)
     _sync(temporary, os.O_RDWR)
 
 
