@@ -8,12 +8,13 @@ PACKAGES is a directory with pytest, which Blender has not.
 import sys
 from pathlib import Path
 
-sys.path.insert(0, sys.argv[sys.argv.index("--") + 1])
-
-import pytest
-
 OPTIONS = ["-rs", "-p", "no:cacheprovider", "-m", "not executable"]
 
-status = pytest.main([*OPTIONS, str(Path(__file__).parent)])
-if status:
-    raise RuntimeError(f"pytest returned {status!r}")
+
+if __name__ == "__main__":  # processes that tests spawn read this file too
+    sys.path.insert(0, sys.argv[sys.argv.index("--") + 1])
+    import pytest
+
+    status = pytest.main([*OPTIONS, str(Path(__file__).parent)])
+    if status:
+        raise RuntimeError(f"pytest returned {status!r}")

@@ -7,7 +7,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 # What tests may be left out for there.
-REASONS = ("this Blender is built without", "no disk can be mounted", "starts Python with bpy")
+REASONS = (
+    "this Blender is built without",
+    "got empty parameter set for (suffix)",  # of formats that it is built without
+    "no disk can be mounted",
+    "starts Python with bpy",
+)
 PYTEST = ("pytest", "_pytest", "pluggy", "iniconfig", "packaging", "pygments", "py")
 
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
-from command_line_files import QUICK, empty, load, meshes, run, write_scene
+from command_line_files import QUICK, empty, exportable, load, meshes, run, write_scene
 from shapes import bumpy_sphere
 
 BANDS, STEPS = 3, 8
@@ -95,6 +95,8 @@ FILES = {
     "fbx": lambda folder, scan: by_blender(folder / "scan.fbx", scan),
     "usdc": lambda folder, scan: by_blender(folder / "scan.usdc", scan),
 }
+if ".usdc" not in exportable():  # as Debian builds Blender
+    del FILES["usdc"]
 
 
 @pytest.mark.parametrize("kind", FILES)
