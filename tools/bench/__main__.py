@@ -13,6 +13,7 @@ from . import (
     accuracy,
     deformation,
     eigenpairs,
+    estimates,
     exact,
     growth,
     interruption,
@@ -28,6 +29,7 @@ Shapes = list[tuple[str, Shape]]
 # Frequencies of spheres with 41 k, 164 k and 1 M vertices, and of small ones for a trial.
 FREQUENCIES, SMALL_FREQUENCIES = (64, 128, 316), (8, 16)
 SIZES, SMALL_SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000), (1_000, 4_000)
+ESTIMATED, SMALL_ESTIMATED = (32, 64, 128, 316), (8, 16)
 
 
 # Made along with "steps" and "deformation".
@@ -65,6 +67,7 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         *(("pinched sphere", pinched_sphere(n)) for n in (small, medium)),
     ]
     sizes = SMALL_SIZES if arguments.small else SIZES
+    estimated = SMALL_ESTIMATED if arguments.small else ESTIMATED
     least = arguments.least
     return {
         "machine": machine.report,
@@ -76,6 +79,7 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         "smoothing": lambda page: smoothing.report(page, shapes),
         "interruption": lambda page: interruption.report(page, shapes),
         "growth": lambda page: growth.report(page, sizes),
+        "estimates": lambda page: estimates.report(page, estimated),
     }
 
 

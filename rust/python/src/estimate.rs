@@ -43,7 +43,8 @@ impl Estimate {
             .is_none_or(|available| self.bytes <= available)
     }
 
-    /// Time to wait, coarsely: two or three times as much, or as little, is no surprise.
+    /// Time to wait: from half to twice as long on an idle machine, by the threads that
+    /// `set_threads` and `use_threads` allow.
     #[getter]
     fn seconds(&self) -> f64 {
         self.seconds

@@ -16,15 +16,16 @@ use crate::solver::Solver;
 /// Vertices along a side of the surface that the pace is taken on, and steps of its flow.
 const SIDE: usize = 40;
 const STEPS: usize = 6;
-/// The power of the size with which a factorization takes longer for each vertex.
-const GROWTH: f64 = 0.25;
 /// What preparations take, in steps.
-const PREPARATION: f64 = 5.0;
-/// What the base of M3 takes, in steps.
-const BASE: f64 = 7.0;
+const PREPARATION: f64 = 4.0;
+/// The parts of the work that no thread shares, on large meshes and more on those of this size.
+const UNSHARED: f64 = 0.1;
+const UNSHARED_SMALL: f64 = 0.3;
+const SMALL: f64 = 1e4;
 
-/// Seconds that decomposing a mesh of so many vertices and triangles takes: a coarse estimate, from
-/// how long a small flow took, which the first call measures in some hundredths of a second.
+/// Seconds that decomposing a mesh of so many vertices and triangles takes by the threads of the
+/// current pool: within a factor of two on an idle machine, from how long a small flow took one of
+/// them, which the first call measures in some hundredths of a second.
 ///
 /// Other work on the machine counts as far as it was there then. Where an accuracy decides on the
 /// steps, the time is that of the first two flows.
@@ -38,48 +39,65 @@ pub fn decomposition_duration(
 ) -> Result<f64> {
     check_step_count(settings)?;
     let size = Size::new(vertices, triangles).count() as f64;
-    Ok(pace()? * size * steps_worth(vertices, settings))
+    Ok(pace()? * size * steps_worth(size, settings) / speedup(size))
 }
 
-/// The work at each vertex, in extrapolated steps of M1 by factorization: as it was measured of
-/// every method.
-fn steps_worth(vertices: usize, settings: &Settings) -> f64 {
+/// How many times faster all threads are than one (Amdahl's law).
+fn speedup(size: f64) -> f64 {
+    let unshared = UNSHARED + UNSHARED_SMALL * (SMALL / size).min(1.0);
+    1.0 / (unshared + (1.0 - unshared) / rayon::current_num_threads() as f64)
+}
+
+/// The work at each vertex of a mesh of this size, in sixths of the small flow: fitted to what
+/// every method took on 10 000 to 655 000 vertices.
+fn steps_worth(size: f64, settings: &Settings) -> f64 {
     let steps = step_count(settings) as f64;
-    let step = match settings.scheme {
+    let scheme = match settings.scheme {
         Scheme::SemiImplicit(Weights::Extrapolated) => 1.0,
-        Scheme::SemiImplicit(Weights::Lagged) => 0.7,
-        Scheme::Exact { .. } => 3.0,
+        Scheme::SemiImplicit(Weights::Lagged) => 0.47,
+        Scheme::Exact { .. } => 1.9,
     };
-    // Iterations are more work, shared between threads; single functions take more of them.
-    let is_iterated = is_iterated(settings, vertices);
-    let (step, single) = match is_iterated {
-        true => (1.2 * step, 1.5),
+    // A step of three channels and of one. Factors fill up as the mesh grows, and iterations miss
+    // the caches.
+    let (three, one) = match is_iterated(settings, size as usize) {
+        true => {
+            let step = scheme * 1.15 * (size / 4e4).max(0.1).powf(0.19);
+            (step, 1.9 * step)
+        }
         false => {
-            let times_larger = vertices as f64 / (SIDE * SIDE) as f64;
-            (step * times_larger.max(1.0).powf(GROWTH), 0.75)
+            let step = scheme * 0.76 * (size / (SIDE * SIDE) as f64).max(1.0).powf(0.27);
+            (step, 0.8 * step)
         }
     };
+    let base = 6.5 * (size / 1e4).max(0.1).powf(0.25);
     let worth = match &settings.method {
-        Method::ShapeTv | Method::ConformalLaplace { .. } => steps * step,
-        Method::Heat => 0.7 * steps * step,
-        Method::Naive => 3.0 * single * steps * step,
-        Method::DirectionalTv { .. } => BASE + single * steps * step,
+        Method::ShapeTv => steps * three,
+        Method::ConformalLaplace { .. } => 1.2 * steps * three,
+        Method::Heat => 0.5 * steps * three,
+        Method::Naive => 3.0 * steps * one,
+        Method::DirectionalTv { .. } => base + steps * one,
         Method::LaplaceBeltrami { eigenpairs } => {
-            let count = (*eigenpairs).min(vertices) as f64;
-            0.6 * count + 5e-4 * count.powi(2)
+            let count = (*eigenpairs as f64).min(size);
+            1.9 * count + 1.6e-3 * count.powi(2)
         }
-        Method::Displacement { .. } => BASE,
+        Method::Displacement { .. } => base,
     };
     PREPARATION + worth
 }
 
-/// Seconds that a vertex takes in a step, measured once: the shorter of two flows.
+/// Seconds that a vertex takes one thread in a step of the small flow, measured once: the shortest
+/// of four.
 fn pace() -> Result<f64> {
     static PACE: OnceLock<f64> = OnceLock::new();
     if let Some(&pace) = PACE.get() {
         return Ok(pace);
     }
-    let pace = measured_pace()?.min(measured_pace()?);
+    let measure = || (1..4).try_fold(measured_pace()?, |pace, _| Ok(pace.min(measured_pace()?)));
+    // A small flow would not show what many threads are worth on a large one.
+    let pace = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+        Ok(single) => single.install(measure)?,
+        Err(_) => measure()?,
+    };
     Ok(*PACE.get_or_init(|| pace))
 }
 
@@ -116,7 +134,7 @@ fn measured_pace() -> Result<f64> {
         stage,
     )?;
     let taken = start.elapsed().as_secs_f64();
-    Ok(taken / (mesh.vertex_count() as f64 * (STEPS as f64 + PREPARATION)))
+    Ok(taken / (mesh.vertex_count() as f64 * STEPS as f64))
 }
 
 #[cfg(test)]
@@ -124,21 +142,33 @@ mod tests {
     use super::*;
     use crate::method::Steps;
 
-    #[test]
-    fn more_vertices_and_steps_take_longer_at_one_pace() {
-        let settings = |steps: usize| Settings {
+    fn duration(vertices: usize, steps: usize) -> f64 {
+        let settings = Settings {
             method: Method::ShapeTv,
             times: None,
             steps: Steps::Count(steps),
             scheme: Scheme::SemiImplicit(Weights::Extrapolated),
             solver: Solver::Cholesky,
         };
-        let duration = |vertices: usize, steps: usize| {
-            decomposition_duration(vertices, 2 * vertices, &settings(steps)).unwrap()
-        };
+        decomposition_duration(vertices, 2 * vertices, &settings).unwrap()
+    }
+
+    #[test]
+    fn more_vertices_and_steps_take_longer_at_one_pace() {
         assert!(duration(1000, 8) > 0.0);
-        let growth = duration(4000, 8) / duration(1000, 8);
+        let growth = duration(400_000, 8) / duration(100_000, 8);
         assert!(4.0 < growth && growth < 8.0);
-        assert!((duration(1000, 35) / duration(1000, 15) - 2.0).abs() < 1e-12);
+        let [few, more, many] = [10, 20, 30].map(|steps| duration(1000, steps));
+        assert!((many - 2.0 * more + few).abs() < 1e-12 * many);
+    }
+
+    #[test]
+    fn threads_share_most_of_the_work() {
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| duration(1_000_000, 32))
+        };
+        let faster = with(1) / with(8);
+        assert!(2.0 < faster && faster < 8.0);
     }
 }
