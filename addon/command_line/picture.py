@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 from mathutils import Euler, Vector
 
+from ..scene.coordinates import coordinates
 from ..scene.objects import Refusal
-from ..scene.records import coordinates
 from .writing import written_by_blender
 
 SIDE = 640

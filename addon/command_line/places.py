@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..scene.coordinates import basis_coordinates
 from ..scene.objects import Refusal
-from ..scene.surface import basis_coordinates
 
 AXES = "xyz"
 REGION = re.compile(rf"([{AXES}])\s*([<>])\s*(\d+(?:\.\d*)?)\s*%", re.IGNORECASE)

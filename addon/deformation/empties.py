@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ..scene.surface import basis_coordinates
+from ..scene.coordinates import basis_coordinates
 from .handles import group_weights
 
 

@@ -6,11 +6,11 @@ import bpy
 import numpy as np
 import spectral_tv
 
+from ..scene.contents import digest
 from ..scene.coordinates import coordinates
 from ..scene.modifiers import symmetries
 from ..scene.objects import Refusal
 from ..scene.places import is_kept_up
-from ..scene.records import digest
 from ..scene.surface import Reading
 from . import results
 from .constraints import deformation_of, followed_by, identified

@@ -76,14 +76,15 @@ def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
 
 def write(obj: bpy.types.Object, displacement: np.ndarray) -> bpy.types.ShapeKey:
     """Write a displacement (V, 3) as the shape key of the deformation, at full value if new."""
-    key = result_key(obj)
+    deformation, key = deformation_of(obj), result_key(obj)
     if key is None:
         keep(Known.of(obj).kept)
         (key,) = add_displacements(obj, [NAME], displacement[np.newaxis])
         key.value = 1.0
     else:
+        if key.name != deformation.key:
+            note(f"{key.name!r} is written over: it was {deformation.key!r}")
         set_displacement(obj, key, displacement)
-    deformation = deformation_of(obj)
     deformation.take(obj, "KEY", key.name)
     deformation.vertex_count = len(obj.data.vertices)
     return key

@@ -12,8 +12,8 @@ import numpy as np
 import spectral_tv
 from bpy.props import PointerProperty, StringProperty
 
+from ..scene.contents import digest
 from ..scene.notes import note
-from ..scene.records import digest
 from .bands import Choice, Prepared, filtered, filtered_bands, parts
 from .flows import Still
 from .pixels import Pixels

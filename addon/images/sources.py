@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from ..scene.records import digest
+from ..scene.contents import digest
 from . import colors
 from .colors import Kind
 from .pixels import Pixels

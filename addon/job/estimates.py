@@ -1,6 +1,6 @@
 """What work will take, in words."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import spectral_tv
@@ -20,6 +20,7 @@ class Needs:
     available: int | None
     seconds: float
     is_least: bool = False
+    smaller: str = "a mesh of fewer vertices"
 
     @property
     def fits(self) -> bool:
@@ -32,7 +33,7 @@ class Needs:
         if self.available is not None and not self.fits:
             return (
                 f"{about} {_memory(self.bytes)} of memory, but {_memory(self.available)} are free: "
-                "take fewer steps or eigenfunctions, or a mesh of fewer vertices"
+                f"take fewer steps or eigenfunctions, or {self.smaller}"
             )
         is_large = self.available is not None and self.bytes > LARGE_PART * self.available
         if self.seconds < LONG and not is_large:
@@ -58,9 +59,14 @@ def of_accuracy(method: str, count: int, steps: int) -> Needs:
 
 
 def of_values(count: int, steps: int, *, exact: bool) -> Needs:
-    """What a flow of values at so many vertices or pixels takes; that of three functions."""
+    """What a flow of values at so many vertices takes; that of three functions."""
     scheme: Any = "exact" if exact else "extrapolated"
     return _sum([spectral_tv.estimate(count, "m1", steps=steps, scheme=scheme)])
+
+
+def of_image(pixels: int, steps: int, *, exact: bool) -> Needs:
+    """The same at so many pixels."""
+    return replace(of_values(pixels, steps, exact=exact), smaller="a smaller image")
 
 
 def _sum(found: list[spectral_tv.Estimate], is_least: bool = False) -> Needs:

@@ -7,8 +7,8 @@ from typing import Any
 import bpy
 import spectral_tv
 
-from ..scene.records import digest, topology_digest
-from ..scene.surface import basis_coordinates
+from ..scene.contents import digest, topology_digest
+from ..scene.coordinates import basis_coordinates
 
 
 class Chain:

@@ -37,7 +37,7 @@ class SPECTRAL_TV_PT_image(bpy.types.Panel):
             say(layout, context, reason, "INFO")
         else:
             width, height = subject.size
-            needs = estimates.of_values(width * height, settings.steps, exact=settings.exact)
+            needs = estimates.of_image(width * height, settings.steps, exact=settings.exact)
             draw_needs(layout, context, needs)
         row = layout.row()
         row.enabled = reason is None

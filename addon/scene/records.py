@@ -13,11 +13,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from .contents import digest, topology_digest
-from .coordinates import coordinates
 from .fingerprints import Fingerprint, Likeness, digests, recognise
-
-__all__ = ["coordinates", "digest", "topology_digest"]  # where they used to be
 
 
 class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):

@@ -144,6 +144,8 @@ def _own(
             note(f"the {thing} {name!r} is locked, and is kept")
         elif name:
             found[each.label, each.written] = name
+            if name != each.key:
+                note(f"the {thing} {name!r} is written over: it was {each.key!r}")
     return found
 
 

@@ -16,8 +16,6 @@ from .modifiers import symmetries
 from .notes import note
 from .objects import Refusal
 
-__all__ = ["Reading", "Surface", "basis_coordinates", "triangles"]
-
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37
 
