@@ -46,7 +46,7 @@ TABLE = """\
 | vertex groups | yes | – | – | as attributes | – | – | – | as attributes | – |
 | shape keys | yes | yes | yes | the file's own | applied | applied | applied | applied | applied |
 | armatures | yes | yes | yes | yes | applied | applied | applied | applied | applied |
-| animation | yes | not of shapes | not of shapes | yes | yes | – | – | – | – |
+| animation | yes | keyframes | keyframes | yes | yes | – | – | – | – |
 | objects apart | yes | yes | yes | yes | yes | yes | yes | – | – |
 | object names | yes | yes | yes | yes | yes | yes | yes | – | – |
 | parents | yes | yes | yes | yes | yes | yes | – | – | – |

@@ -133,7 +133,7 @@ PARTS: dict[tuple[str, str], Callable[[Sequence[Thing], str], str | None]] = {
     ("loose", "points"): _edges,
     ("loose", "edges"): _points,
     ("names", NO): _object_names,
-    ("animation", "not of shapes"): _animation,
+    ("animation", "keyframes"): _animation,
     ("curves", "meshes"): _curves,
     ("curves", "curves"): _texts,
 }

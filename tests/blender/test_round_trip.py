@@ -393,7 +393,7 @@ PARTS = {
     ("attributes", "of vertices"): ("of vertices alone; left out: ", None),
     ("groups", "as attributes"): (None, None),
     ("keys", "the file's own"): (None, None),
-    ("animation", "not of shapes"): (None, None),
+    ("animation", "keyframes"): (None, None),
     ("loose", "points"): ("no loose edges: 1", 0),
     ("loose", "edges"): ("loose points as vertices of nothing: 1", 0),
     ("curves", "meshes"): ("curves and texts as meshes", 0),
