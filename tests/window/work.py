@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import bpy
@@ -57,8 +58,11 @@ def is_running() -> bool:
 
 
 def workers() -> list[str]:
-    """Threads of the extension's native module."""
-    names = (path.read_text() for path in Path("/proc/self/task").glob("*/comm"))
+    """Threads of jobs; those that short work shares stay."""
+    names = []
+    for path in Path("/proc/self/task").glob("*/comm"):
+        with suppress(OSError):  # it has ended since
+            names.append(path.read_text())
     return [name for name in names if name.startswith("spectral_tv")]
 
 

@@ -111,7 +111,7 @@ fn refusal(name: &str, found: &str) -> Failure {
 /// ends. All that is not shared out runs on one of them: another's allocator would not have what M3's
 /// base, for one, has freed for its flow.
 pub fn by_itself<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
-    match pool(count) {
+    match pool(count, "spectral_tv") {
         Some(pool) => pool.install(work),
         None => alone(work),
     }
@@ -125,11 +125,11 @@ pub fn together<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
     }
 }
 
-/// So many threads; fewer if the system gives no more; `None` if it gives none.
-fn pool(mut count: usize) -> Option<ThreadPool> {
+/// So many threads of a name; fewer if the system gives no more; `None` if it gives none.
+fn pool(mut count: usize, name: &'static str) -> Option<ThreadPool> {
     while count > 0 {
         let threads = ThreadPoolBuilder::new().num_threads(count);
-        match threads.thread_name(|_| "spectral_tv".into()).build() {
+        match threads.thread_name(move |_| name.into()).build() {
             Ok(pool) => return Some(pool),
             Err(_) => count /= 2,
         }
@@ -162,7 +162,7 @@ fn shared(count: usize) -> Option<Arc<Shared>> {
     if let Some(found) = found.filter(|found| is_right(found)) {
         return Some(found);
     }
-    let pool = pool(count)?;
+    let pool = pool(count, "spectral_shared")?;
     let new = Arc::new(Shared {
         process,
         count,
