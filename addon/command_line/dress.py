@@ -35,7 +35,7 @@ def _for_gltf(mesh: bpy.types.Mesh) -> None:
         attribute.name = wanted
 
 
-def _for_abc(mesh: bpy.types.Mesh) -> None:
+def _with_bytes(mesh: bpy.types.Mesh) -> None:
     """Colours are written where they are bytes on face corners."""
     for name in [layer.name for layer in color_layers(mesh)]:
         values = _on_corners(
@@ -67,7 +67,8 @@ def _keep_one(mesh: bpy.types.Mesh) -> None:
 DRESSES: dict[str, Callable[[bpy.types.Mesh], None]] = {
     ".glb": _for_gltf,
     ".gltf": _for_gltf,
-    ".abc": _for_abc,
+    ".abc": _with_bytes,
+    ".dae": _with_bytes,
     ".ply": _for_ply,
     ".obj": _keep_one,
 }

@@ -70,7 +70,7 @@ def write(place: Path, export: Export) -> None:
         case ".stl":
             _export_stl(place, export)
         case ".dae":
-            with _beside(place, export):
+            with export.dressed(), _beside(place, export):
                 export.call(place)
         case _:
             _export_usd(place, export)
@@ -193,7 +193,10 @@ def _export_usd(place: Path, export: Export) -> None:
     # What has a skeleton is written as it is without its keys.
     laid_out = keyed if has_kept else [obj for obj in keyed if armatures(obj)]
     export.options["export_shapekeys"] = has_kept
-    export.options["export_animation"] = has_kept or _moves()
+    # Without animation Blender 4.2 leaves poses out.
+    has_rigs = any(obj.type == "ARMATURE" for obj in export.objects)
+    is_old = bpy.app.version < (4, 3)
+    export.options["export_animation"] = has_kept or _moves() or (is_old and has_rigs)
     # Beside the target, so that textures are found from there; an archive has a file of its name.
     is_archive = export.suffix == ".usdz"
     first = place if is_archive else place.parent.with_suffix(export.suffix)

@@ -37,7 +37,7 @@ YES, NO, ONE, APPLIED = "yes", "–", "one", "applied"
 TABLE = """\
 | | .blend | .glb .gltf | .fbx | .usd .usda .usdc .usdz | .abc | .dae | .obj | .ply | .stl |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
-| vertex colors | yes | yes | yes | yes | 8 bits | yes | one | one | – |
+| vertex colors | yes | yes | yes | yes | 8 bits | 8 bits | one | one | – |
 | UV maps | yes | yes | yes | yes | yes | yes | one | one | – |
 | materials | yes | yes | yes | yes | names | yes | yes | – | – |
 | textures | yes | yes | yes | yes | – | yes | yes | – | – |
@@ -80,7 +80,8 @@ class Format:
 
     Of operators the first that exists is used; options that it lacks are left out. ``keys`` says
     that shape keys are stored with their values, ``attributes`` on which domains custom
-    attributes can be, and ``others`` that a file comes with more files.
+    attributes can be, ``others`` that a file comes with more files, and ``by_selection`` that
+    what it holds is always selected.
     """
 
     importers: tuple[str, ...]
@@ -91,6 +92,7 @@ class Format:
     keys: bool = False
     attributes: tuple[str, ...] = ()
     others: bool = False
+    by_selection: bool = False
 
     @property
     def importer(self) -> str | None:
@@ -176,14 +178,22 @@ FORMATS = {
             "apply_subdiv": True,
             "evaluation_mode": "VIEWPORT",
             "vcolors": True,
+            "visible_objects_only": True,
         },
     ),
     ".dae": Format(
         ("wm.collada_import",),
         ("wm.collada_export",),
         "selected",
-        {"apply_modifiers": True, "include_armatures": False, "include_shapekeys": False},
+        {
+            "apply_modifiers": True,
+            "include_animations": False,  # would leave keys as in the last frame
+            "include_armatures": False,
+            "include_shapekeys": False,
+            "triangulate": False,
+        },
         others=True,
+        by_selection=True,  # hidden objects would end the process
     ),
 }
 

@@ -3,7 +3,7 @@
 import os
 import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -274,10 +274,10 @@ def _attributes_in_order() -> Iterator[None]:
     It goes through a set of their names, in another order every time, and through a list of their
     values at once.
     """
-    try:
-        module = import_module("io_scene_gltf2.blender.imp.mesh")
-    except ImportError:
-        module = ModuleType("absent")
+    module = ModuleType("absent")
+    for name in ("gltf2_blender_mesh", "mesh"):  # up to Blender 4.2, and since
+        with suppress(ImportError):
+            module = import_module(f"io_scene_gltf2.blender.imp.{name}")
     vars(module)["set"] = _Ordered
     try:
         yield

@@ -39,7 +39,7 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
         if read.is_moved and not _holds_offset(suffix, source):
             note(f"{a(suffix)} stays relative to {read.told(source.suffix)}")
         form = FORMATS[suffix]
-        options = {**form.options, form.selection: only is not None}
+        options = {**form.options, form.selection: form.by_selection or only is not None}
         if _is_alike(suffix, source.suffix):
             options |= source.options
         with written_by_blender(path, with_others=form.others) as place:

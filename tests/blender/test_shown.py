@@ -165,9 +165,10 @@ def hidden(obj):
             bpy.context.object.hide_viewport = True
 
 
+POSES = [posed, posed_as_a_child, posed_by_a_hidden_rig, posed_and_subdivided]
 SCENES = [
     masked, muted, pinned, chained, driven, keyed, keyed_and_muted, subdivided, mirrored, thick,
-    off, posed, posed_as_a_child, posed_by_a_hidden_rig, posed_and_subdivided, hidden,
+    off, *POSES, hidden,
 ]  # fmt: skip
 
 
@@ -191,7 +192,9 @@ def test_every_file_looks_like_the_screen(tmp_path: Path, capfd, scene):
         frame = bpy.context.scene.frame_current
         load(target)
         bpy.context.scene.frame_set(frame)
-        assert distance(expected, seen()) < 2e-6, suffix
+        # Blender 4.2 does not read poses of USD that it has written.
+        if suffix != ".usdc" or scene not in POSES or bpy.app.version >= (4, 3):
+            assert distance(expected, seen()) < 2e-6, suffix
         has_keys = suffix in (".glb", ".gltf", ".fbx", ".usdc")
         for text, scenes in (
             ("muted shape keys are 0", [muted, keyed_and_muted]),
@@ -201,6 +204,14 @@ def test_every_file_looks_like_the_screen(tmp_path: Path, capfd, scene):
         assert ("hidden, and so not in the file" in told) == (
             scene is hidden and suffix != ".blend"
         )
+
+
+@pytest.mark.skipif(".usda" not in exportable(), reason="this Blender is built without .usda")
+def test_a_still_pose_is_in_usd(tmp_path: Path):
+    source, target = tmp_path / "scene.blend", tmp_path / "out.usda"
+    write(source, posed)
+    assert run(["decompose", str(source), "-o", str(target), *QUICK, "--gain", "all=1"]) == 0
+    assert "SkelAnimation" in target.read_text(encoding="utf-8")
 
 
 def test_a_limit_to_a_vertex_group_is_kept_in_every_format(tmp_path: Path):
