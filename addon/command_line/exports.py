@@ -9,16 +9,19 @@ from typing import Any
 
 import bpy
 
+from ..files import stl
 from ..files.checks import check
 from ..files.checks.torn import require
 from ..files.room import with_room
 from ..scene.animation import curves_of
 from ..scene.objects import Refusal
-from . import digits
+from . import finish_obj, finish_ply
 from .contents import armatures, is_animated
 from .copies import dressed
+from .digits import Digits, decimals_of
 from .dress import dress_of
 from .formats import FORMATS, call
+from .given import write_stl
 from .load import Source
 from .shown import Kept, shown
 from .textures import beside, folder_name
@@ -142,7 +145,7 @@ def _export_obj(place: Path, export: Export) -> None:
     first = place.parent.with_suffix(".obj")
     with export.dressed(), _beside(place, export):
         export.call(first)
-        digits.finish_obj(first, place, export.source.digits, export.meshes)
+        finish_obj.finish(first, place, export.source.digits, export.meshes)
     materials = first.with_suffix(".mtl")
     if materials.exists():
         _ensure_materials(place, materials)
@@ -162,15 +165,17 @@ def _ensure_materials(place: Path, materials: Path) -> None:
 
 def _export_ply(place: Path, export: Export) -> None:
     source = export.source
-    export.options["export_normals"] = source.has_normals or any(
+    export.options["export_normals"] = set(finish_ply.NORMALS) <= source.columns or any(
         obj.data.has_custom_normals for obj in export.meshes
     )
     comments = source.comments if source.suffix == ".ply" else ()
     export.options["ascii_format"] = is_text(".ply", source)
+    without_alpha = "red" in source.columns and "alpha" not in source.columns
+    exact = source.exact if len(export.meshes) == 1 else None
     with export.dressed():
         export.call(place)
-    check(place)
-    digits.finish_ply(place, source.digits, comments)
+        check(place)
+        finish_ply.finish(place, source.digits, comments, exact, without_alpha)
 
 
 def _export_stl(place: Path, export: Export) -> None:
@@ -179,7 +184,15 @@ def _export_stl(place: Path, export: Export) -> None:
     export.call(place)
     check(place)
     if source.digits.is_moved and export.options["ascii_format"]:
-        digits.finish_stl(place, source.digits)
+        _move_stl(place, source.digits)
+
+
+def _move_stl(place: Path, digits: Digits) -> None:
+    """Write an STL file of text anew, relative to 0."""
+    points = stl.points(place)
+    target = place.with_stem(f"{place.stem}_moved")
+    write_stl(place, target, (points + digits.offset).round(decimals_of(points)))
+    os.replace(target, place)
 
 
 def _export_usd(place: Path, export: Export) -> None:

@@ -1,0 +1,195 @@
+"""PLY files of Blender's written anew: vertices in their order, with doubles, relative to 0."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..files import ply_table
+from ..files.ply import AXES
+from ..files.ply_table import Table
+from ..scene.coordinates import coordinates
+from ..scene.notes import note
+from .digits import Digits, decimals_of
+
+NORMALS = ("nx", "ny", "nz")
+# Relative to the largest coordinate, how far what is in a file may be from what is seen.
+SAME = 1e-5
+
+
+@dataclass(frozen=True)
+class Exact:
+    """The vertices of a file in double precision, (V, 3), and as Blender holds them."""
+
+    points: np.ndarray
+    held: np.ndarray
+
+    def placed(self, points: np.ndarray) -> np.ndarray:
+        """Vertices in the axes of the file with the digits that Blender lost."""
+        lost = np.where(np.isfinite(self.points), self.points - self.held, np.nan)
+        is_there = (points == self.held) | ~np.isfinite(points)
+        return np.where(is_there, self.points, points + lost)
+
+
+def finish(
+    path: Path,
+    digits: Digits,
+    comments: Sequence[bytes],
+    exact: Exact | None,
+    without_alpha: bool,
+) -> None:
+    """Write a PLY file of what is seen anew.
+
+    Vertices come in their order, those that are split at the seams of UV maps behind all others.
+    ``without_alpha`` says that colours have none, and ``exact`` what the one object in it was
+    read from.
+    """
+    table = ply_table.read(path)
+    scene = _seen(table)
+    if scene is not None:
+        _put_in_order(table, scene)
+        _set_normals(table, scene)
+    elif "s" in table.columns:
+        note("its vertices may be in another order")
+    if without_alpha:
+        table.columns.pop("alpha", None)
+    if digits.is_moved or digits.is_double:
+        _set_points(table, digits, exact)
+    table.write(path, comments)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What is seen of all meshes as one: the vertices of corners, and where vertices are.
+
+    ``sources`` (N,) tells which vertex each in the file is. ``normals`` (V, 3) are the custom
+    ones, 0 where there are none.
+    """
+
+    points: np.ndarray
+    corners: np.ndarray
+    sizes: np.ndarray
+    normals: np.ndarray
+    sources: np.ndarray
+
+    def fits(self, table: Table) -> bool:
+        """Whether these are the faces of a file."""
+        return np.array_equal(self.sizes, table.faces.sizes)
+
+
+def _seen(table: Table) -> _Seen | None:
+    """What a file shows; None if it is not known."""
+    tries: tuple[Callable[[bpy.types.DepsgraphObjectInstance], bool], ...] = (
+        lambda _item: True,
+        lambda item: not item.is_instance,
+        lambda item: not item.is_instance and item.object.original.select_get(),
+    )
+    for is_wanted in tries:
+        found = _together(is_wanted)
+        if found is not None and found.fits(table):
+            sources = _sources(table, found)
+            if sources is not None:
+                return _Seen(found.points, found.corners, found.sizes, found.normals, sources)
+    return None
+
+
+def _together(is_wanted: Callable[[bpy.types.DepsgraphObjectInstance], bool]) -> _Seen | None:
+    points, corners, sizes, normals, count = [], [], [], [], 0
+    for item in bpy.context.evaluated_depsgraph_get().object_instances:
+        if item.object.type != "MESH" or not item.show_self or not is_wanted(item):
+            continue
+        mesh, matrix = item.object.data, np.array(item.matrix_world)
+        own = coordinates(mesh.vertices).reshape(-1, 3).astype(np.float64)
+        points.append(own @ matrix[:3, :3].T + matrix[:3, 3])
+        corner = np.empty(len(mesh.loops), dtype=np.int32)
+        mesh.loops.foreach_get("vertex_index", corner)
+        size = np.empty(len(mesh.polygons), dtype=np.int32)
+        mesh.polygons.foreach_get("loop_total", size)
+        normals.append(_normals(mesh, corner, matrix))
+        corners.append(corner.astype(np.int64) + count)
+        sizes.append(size)
+        count += len(own)
+    if not points:
+        return None
+    joined = (np.concatenate(each) for each in (points, corners, sizes, normals))
+    return _Seen(*joined, np.zeros(0, dtype=np.int64))
+
+
+def _normals(mesh: bpy.types.Mesh, corners: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """The custom normals of a mesh, one for each vertex, in the world; 0 where there are none."""
+    sums = np.zeros((len(mesh.vertices), 3))
+    if not mesh.has_custom_normals:
+        return sums
+    flat = np.empty(3 * len(corners), dtype=np.float32)
+    mesh.corner_normals.foreach_get("vector", flat)
+    for axis, values in enumerate(flat.reshape(-1, 3).T):
+        sums[:, axis] = np.bincount(corners, values, len(sums))
+    turned = sums @ np.linalg.pinv(matrix[:3, :3])
+    length = np.linalg.norm(turned, axis=1, keepdims=True)
+    return np.divide(turned, length, out=np.zeros_like(turned), where=length > 0)
+
+
+def _sources(table: Table, seen: _Seen) -> np.ndarray | None:
+    """Which vertex of those seen each in the file is; None if that cannot be told."""
+    count = len(table.columns["x"])
+    sources = np.full(count, -1, dtype=np.int64)
+    sources[table.faces.corners] = seen.corners
+    if not np.array_equal(sources[table.faces.corners], seen.corners):
+        return None
+    loose = np.ones(len(seen.points), dtype=bool)
+    loose[seen.corners] = False
+    if loose.sum() != (sources < 0).sum():
+        return None
+    sources[sources < 0] = np.flatnonzero(loose)
+    there = np.column_stack([table.columns[axis] for axis in AXES]).astype(np.float64)
+    apart = np.abs(there - seen.points[sources])
+    largest = np.abs(there[np.isfinite(there)]).max(initial=0.0)
+    return None if (apart > SAME * largest + 1e-30).any() else sources
+
+
+def _put_in_order(table: Table, seen: _Seen) -> None:
+    _, firsts = np.unique(seen.sources, return_index=True)
+    more = np.ones(len(seen.sources), dtype=bool)
+    more[firsts] = False
+    doubled = np.flatnonzero(more)
+    doubled = doubled[np.argsort(seen.sources[doubled], kind="stable")]
+    if len(doubled):
+        note(
+            f"{len(doubled)} vertices were doubled at the seams of UV maps, behind all others, as "
+            "a .ply holds one place in them for each"
+        )
+    order = np.concatenate([firsts, doubled])
+    if np.array_equal(order, np.arange(len(order))):
+        return
+    new = np.empty(len(order), dtype=np.int64)
+    new[order] = np.arange(len(order))
+    table.columns = {name: values[order] for name, values in table.columns.items()}
+    table.faces.corners[:] = new[table.faces.corners]
+    table.edges = new[table.edges]
+    seen.sources[:] = seen.sources[order]
+
+
+def _set_normals(table: Table, seen: _Seen) -> None:
+    if not set(NORMALS) <= set(table.columns):
+        return
+    normals = seen.normals[seen.sources]
+    is_own = normals.any(axis=1)
+    for axis, name in enumerate(NORMALS):
+        table.columns[name] = np.where(is_own, normals[:, axis], table.columns[name]).astype(
+            np.float32
+        )
+
+
+def _set_points(table: Table, digits: Digits, exact: Exact | None) -> None:
+    read = np.column_stack([table.columns[axis] for axis in AXES]).astype(np.float64)
+    points = read + digits.offset
+    if digits.is_moved:
+        points = points.round(decimals_of(read))
+    if exact is not None and exact.points.shape == read.shape:
+        placed = exact.placed(read)
+        is_rounded = digits.is_moved & (placed != exact.points) & np.isfinite(read)
+        points = np.where(is_rounded, points, placed)
+    for axis, name in enumerate(AXES):
+        table.columns[name] = points[:, axis]
