@@ -164,18 +164,15 @@ def _ensure_materials(place: Path, materials: Path) -> None:
 
 
 def _export_ply(place: Path, export: Export) -> None:
-    source = export.source
-    export.options["export_normals"] = set(finish_ply.NORMALS) <= source.columns or any(
+    source, look = export.source, export.source.ply
+    export.options["export_normals"] = (look is not None and look.has_normals) or any(
         obj.data.has_custom_normals for obj in export.meshes
     )
-    comments = source.comments if source.suffix == ".ply" else ()
     export.options["ascii_format"] = is_text(".ply", source)
-    without_alpha = "red" in source.columns and "alpha" not in source.columns
-    exact = source.exact if len(export.meshes) == 1 else None
     with export.dressed():
         export.call(place)
         check(place)
-        finish_ply.finish(place, source.digits, comments, exact, without_alpha)
+        finish_ply.finish(place, source.digits, look, len(export.meshes) == 1)
 
 
 def _export_stl(place: Path, export: Export) -> None:

@@ -1,7 +1,7 @@
 """PLY files of Blender's written anew: vertices in their order, with doubles, relative to 0."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -33,18 +33,34 @@ class Exact:
         return np.where(is_there, self.points, points + lost)
 
 
-def finish(
-    path: Path,
-    digits: Digits,
-    comments: Sequence[bytes],
-    exact: Exact | None,
-    without_alpha: bool,
-) -> None:
-    """Write a PLY file of what is seen anew.
+@dataclass(frozen=True)
+class Look:
+    """A PLY file that was read: its format and comments, and what its vertices have.
+
+    ``exact`` is where they are, if Blender read them into one object.
+    """
+
+    format: str
+    comments: tuple[bytes, ...] = ()
+    columns: frozenset[str] = frozenset()
+    exact: Exact | None = None
+
+    @property
+    def has_normals(self) -> bool:
+        """Whether vertices have normals."""
+        return set(NORMALS) <= self.columns
+
+    @property
+    def lacks_alpha(self) -> bool:
+        """Whether vertices have colours without alpha."""
+        return "red" in self.columns and "alpha" not in self.columns
+
+
+def finish(path: Path, digits: Digits, look: Look | None, is_single: bool) -> None:
+    """Write a PLY file of what is seen anew, like the one that it came from, if there is one.
 
     Vertices come in their order, those that are split at the seams of UV maps behind all others.
-    ``without_alpha`` says that colours have none, and ``exact`` what the one object in it was
-    read from.
+    ``is_single`` says that there is one object in it.
     """
     table = ply_table.read(path)
     scene = _seen(table)
@@ -53,16 +69,16 @@ def finish(
         _set_normals(table, scene)
     elif "s" in table.columns:
         note("its vertices may be in another order")
-    if without_alpha:
+    if look is not None and look.lacks_alpha:
         table.columns.pop("alpha", None)
     if digits.is_moved or digits.is_double:
-        _set_points(table, digits, exact)
-    table.write(path, comments)
+        _set_points(table, digits, look.exact if look is not None and is_single else None)
+    table.write(path, look.format if look is not None else None, look.comments if look else ())
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """What is seen of all meshes as one: the vertices of corners, and where vertices are.
+    """What is seen of all meshes as one: where vertices are, those of corners and loose edges.
 
     ``sources`` (N,) tells which vertex each in the file is. ``normals`` (V, 3) are the custom
     ones, 0 where there are none.
@@ -71,6 +87,7 @@ class _Seen:
     points: np.ndarray
     corners: np.ndarray
     sizes: np.ndarray
+    edges: np.ndarray
     normals: np.ndarray
     sources: np.ndarray
 
@@ -91,12 +108,12 @@ def _seen(table: Table) -> _Seen | None:
         if found is not None and found.fits(table):
             sources = _sources(table, found)
             if sources is not None:
-                return _Seen(found.points, found.corners, found.sizes, found.normals, sources)
+                return replace(found, sources=sources)
     return None
 
 
 def _together(is_wanted: Callable[[bpy.types.DepsgraphObjectInstance], bool]) -> _Seen | None:
-    points, corners, sizes, normals, count = [], [], [], [], 0
+    points, corners, sizes, edges, normals, count = [], [], [], [], [], 0
     for item in bpy.context.evaluated_depsgraph_get().object_instances:
         if item.object.type != "MESH" or not item.show_self or not is_wanted(item):
             continue
@@ -110,11 +127,23 @@ def _together(is_wanted: Callable[[bpy.types.DepsgraphObjectInstance], bool]) ->
         normals.append(_normals(mesh, corner, matrix))
         corners.append(corner.astype(np.int64) + count)
         sizes.append(size)
+        edges.append(_loose_edges(mesh) + count)
         count += len(own)
     if not points:
         return None
-    joined = (np.concatenate(each) for each in (points, corners, sizes, normals))
+    joined = (np.concatenate(each) for each in (points, corners, sizes, edges, normals))
     return _Seen(*joined, np.zeros(0, dtype=np.int64))
+
+
+def _loose_edges(mesh: bpy.types.Mesh) -> np.ndarray:
+    """The vertices of edges in no face, (E, 2)."""
+    ends = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    used = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("edge_index", used)
+    is_loose = np.ones(len(mesh.edges), dtype=bool)
+    is_loose[used] = False
+    return ends.reshape(-1, 2)[is_loose].astype(np.int64)
 
 
 def _normals(mesh: bpy.types.Mesh, corners: np.ndarray, matrix: np.ndarray) -> np.ndarray:
@@ -167,7 +196,8 @@ def _put_in_order(table: Table, seen: _Seen) -> None:
     new[order] = np.arange(len(order))
     table.columns = {name: values[order] for name, values in table.columns.items()}
     table.faces.corners[:] = new[table.faces.corners]
-    table.edges = new[table.edges]
+    # With UV maps Blender writes edges as if no vertex had been doubled.
+    table.edges = seen.edges if len(seen.edges) == len(table.edges) else new[table.edges]
     seen.sources[:] = seen.sources[order]
 
 

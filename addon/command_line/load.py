@@ -22,7 +22,7 @@ from ..scene.shape_keys import SLIDER_RANGE
 from . import given as files
 from .contents import Thing, has_moving_shape, images, survey
 from .digits import Digits, are_coarse
-from .finish_ply import Exact
+from .finish_ply import Exact, Look
 from .formats import BLEND, FORMATS, call, importable
 from .units import units_of
 
@@ -41,8 +41,7 @@ class Source:
 
     ``keys`` are the names of the shape keys that objects came with; ``frames`` those over which
     vertices move by themselves. ``units`` are for the user to read, and ``options`` those of the
-    exporter that give the same units and axes. ``comments`` and ``columns``, what its vertices
-    have, are a PLY file's, and so are its vertices themselves, ``exact``.
+    exporter that give the same units and axes. ``ply`` is what a PLY file was like.
     """
 
     path: Path
@@ -52,9 +51,7 @@ class Source:
     frames: range | None = None
     units: Mapping[str, Any] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
-    comments: tuple[bytes, ...] = ()
-    columns: frozenset[str] = frozenset()
-    exact: Exact | None = None
+    ply: Look | None = None
 
     @property
     def suffix(self) -> str:
@@ -83,7 +80,6 @@ def load(path: Path) -> Source:
     _tell_coarse(objects)
     _tell_missing(objects)
     units, options = units_of(path)
-    comments, columns = _of_ply(path) if suffix == ".ply" else ((), frozenset())
     return Source(
         path,
         read,
@@ -92,9 +88,7 @@ def load(path: Path) -> Source:
         _frames(objects),
         units,
         options,
-        comments,
-        columns,
-        _exact(given, objects) if suffix == ".ply" else None,
+        _of_ply(path, _exact(given, objects)) if suffix == ".ply" else None,
     )
 
 
@@ -220,8 +214,8 @@ def _frames(objects: list[bpy.types.Object]) -> range | None:
     return range(scene.frame_start, scene.frame_end + 1)
 
 
-def _of_ply(path: Path) -> tuple[tuple[bytes, ...], frozenset[str]]:
-    """The comments of a PLY file, and what vertices have; notes what is not read."""
+def _of_ply(path: Path, exact: Exact | None) -> Look:
+    """What a PLY file is like; notes what is not read."""
     header = ply.read_header(path)
     lost = [element.name for element in header.elements if element.name not in PLY_ELEMENTS]
     for element in header.elements:
@@ -236,7 +230,7 @@ def _of_ply(path: Path) -> tuple[tuple[bytes, ...], frozenset[str]]:
     vertex = header.element("vertex")
     names = frozenset(item.name for item in vertex.properties) if vertex is not None else ()
     comments = tuple(line for line in header.comments if not line.startswith(BLENDERS_COMMENT))
-    return comments, frozenset(names)
+    return Look(header.format, comments, frozenset(names), exact)
 
 
 BLENDERS_COMMENT = b"comment Created in Blender"

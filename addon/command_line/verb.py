@@ -88,6 +88,8 @@ class Command:
                 except ERRORS as error:
                     heed()
                     entry.error = errors.reason(error)
+            if hasattr(choices, "weld"):
+                entry.warnings[:] = map(errors.in_options, entry.warnings)
             told = entry.warnings if entry.error is None else [f"error: {entry.error}"]
             for text in told:
                 say(f"{source}: {text}")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .faces import Faces
-from .ply import TYPES, Element, Header, pass_over, read_header
+from .ply import ORDERS, TYPES, Element, Header, pass_over, read_header
 
 CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
 NAMES = {kind: name for name, kind in reversed(TYPES.items())}
@@ -25,12 +25,13 @@ class Table:
     faces: Faces
     edges: NDArray[np.int64]
 
-    def write(self, path: Path, comments: Sequence[bytes]) -> None:
-        """Write the file, with comments beside its own."""
-        order = self.header.order
+    def write(self, path: Path, form: str | None, comments: Sequence[bytes]) -> None:
+        """Write the file, in another format if one is named, with comments beside its own."""
+        form = form or self.header.format
+        order = ORDERS[form]
         edge = self.header.element("edge")
         count = len(next(iter(self.columns.values())))
-        head = [b"ply", b"format %b 1.0" % self.header.format.encode()]
+        head = [b"ply", b"format %b 1.0" % form.encode()]
         head += [*self.header.comments, *comments, b"element vertex %d" % count]
         for name, values in self.columns.items():
             kind = NAMES[values.dtype.str[1:]]
