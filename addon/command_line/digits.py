@@ -12,6 +12,8 @@ from ..scene.surface import NOWHERE
 
 # Relative to the size of the shape, the coarsest steps between floats that are good enough.
 COARSEST = 1e-5
+# What is written where a vertex is nowhere: importers make 0 of what is no number.
+FAR = 3e38
 # How OBJ files see Blender's axes.
 OBJ_AXES = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 

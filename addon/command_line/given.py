@@ -10,18 +10,15 @@ from tempfile import TemporaryDirectory
 import bpy
 import numpy as np
 
+from ..files import fbx, ply, ply_table, stl
 from ..files import obj as objs
-from ..files import ply, ply_table, stl
 from ..files.checks.torn import last
 from ..files.faces import Faces
 from ..scene.coordinates import coordinates
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.surface import NOWHERE
-from .digits import OBJ_AXES, PLAIN, Digits, are_nowhere, of_points
-
-# What is written where a vertex is nowhere: importers make 0 of what is no number.
-FAR = 3e38
+from .digits import FAR, OBJ_AXES, PLAIN, Digits, are_nowhere, of_points
 
 
 @dataclass(frozen=True)
@@ -83,9 +80,10 @@ class Given:
     def compare(self, objects: Sequence[bpy.types.Object]) -> None:
         """Have vertices be nowhere that are so in the file, and note what else it had."""
         meshes = [obj.data for obj in objects if obj.type == "MESH"]
-        if self.has_gaps:
-            for mesh in meshes:
-                _set_nowhere(mesh)
+        for mesh in meshes:
+            _set_nowhere(mesh)
+        if self.path.suffix.lower() == ".fbx":
+            _restore_gaps(meshes, fbx.shapes(self.path))
         if self.path.suffix.lower() in READERS:
             self._tell_lost(meshes)
         if self.obj is not None:
@@ -222,10 +220,35 @@ def _library(line: bytes, folder: Path, other: Path) -> bytes:
 
 
 def _set_nowhere(mesh: bpy.types.Mesh) -> None:
+    """Have coordinates be no numbers that were put far away."""
     points = coordinates(mesh.vertices)
-    points[~(np.abs(points) < NOWHERE)] = np.nan
-    mesh.vertices.foreach_set("co", points)
-    mesh.update()
+    is_nowhere = ~(np.abs(points) < NOWHERE)
+    if is_nowhere.any():
+        points[is_nowhere] = np.nan
+        mesh.vertices.foreach_set("co", points)
+        mesh.update()
+
+
+def _restore_gaps(meshes: Sequence[bpy.types.Mesh], shapes: Sequence[np.ndarray]) -> None:
+    """Have vertices be nowhere that are so in shapes, (V, 3), of a file with these meshes.
+
+    Raises Refusal if it cannot be told which mesh a shape is.
+    """
+    for shape in shapes:
+        gaps = np.flatnonzero(are_nowhere(shape))
+        if len(gaps) == 0:
+            continue
+        same = {mesh for mesh in meshes if len(mesh.vertices) == len(shape)}
+        if len(same) != 1:
+            raise Refusal(
+                f"vertex {gaps[0]} of a mesh of {len(shape)} vertices has a coordinate that is not "
+                f"finite"
+            )
+        (mesh,) = same
+        points = coordinates(mesh.vertices).reshape(-1, 3)
+        points[gaps] = np.nan
+        mesh.vertices.foreach_set("co", points.ravel())
+        mesh.update()
 
 
 def _sort(objects: Sequence[bpy.types.Object], obj: objs.Obj, stem: str) -> None:

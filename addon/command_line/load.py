@@ -1,12 +1,10 @@
 """Reading files by their suffix, with whatever operators this Blender has."""
 
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import bpy
@@ -24,6 +22,7 @@ from .contents import Thing, has_moving_shape, images, survey
 from .digits import Digits, are_coarse
 from .finish_ply import Exact, Look
 from .formats import BLEND, FORMATS, call, importable
+from .gltf_reading import read_right
 from .units import units_of
 
 # Blender cuts longer paths off; bytes.
@@ -134,7 +133,7 @@ def _open(path: Path) -> Digits:
 
 def _import(path: Path, suffix: str) -> None:
     form = FORMATS[suffix]
-    with _attributes_in_order() if suffix in (".glb", ".gltf") else nullcontext():
+    with read_right() if suffix in (".glb", ".gltf") else nullcontext():
         if not call(form.importer, filepath=str(path), **form.reading):
             raise Refusal("Blender cannot import it")
     actions = [action.frame_range for action in bpy.data.actions]
@@ -234,31 +233,3 @@ def _of_ply(path: Path, exact: Exact | None) -> Look:
 
 
 BLENDERS_COMMENT = b"comment Created in Blender"
-
-
-class _Ordered(dict[str, None]):
-    """A set that keeps the order in which things were added to it."""
-
-    def __init__(self, items: Any = ()) -> None:
-        super().__init__(dict.fromkeys(items))
-
-    def update(self, items: Any) -> None:
-        super().update(dict.fromkeys(items))
-
-
-@contextmanager
-def _attributes_in_order() -> Iterator[None]:
-    """Have Blender's importer of glTF not mix up custom attributes.
-
-    It goes through a set of their names, in another order every time, and through a list of their
-    values at once.
-    """
-    module = ModuleType("absent")
-    for name in ("gltf2_blender_mesh", "mesh"):  # up to Blender 4.2, and since
-        with suppress(ImportError):
-            module = import_module(f"io_scene_gltf2.blender.imp.{name}")
-    vars(module)["set"] = _Ordered
-    try:
-        yield
-    finally:
-        del vars(module)["set"]
