@@ -78,3 +78,9 @@ def decimals_of(points: np.ndarray) -> int:
     """How many decimals floats of this size have."""
     largest = max(float(np.abs(points[~are_nowhere(points)]).max(initial=0.0)), 1e-30)
     return int(np.clip(np.ceil(-np.log10(np.spacing(np.float32(largest)))), 0, 17))
+
+
+def fine_decimals(points: np.ndarray) -> int:
+    """How many decimals tell details apart of a shape that is far from 0."""
+    points = points[~are_nowhere(points)]
+    return decimals_of(points - points.mean(axis=0)) if len(points) else 0

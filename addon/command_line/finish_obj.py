@@ -10,7 +10,7 @@ import numpy as np
 
 from ..files.checks.torn import require
 from ..scene.coordinates import coordinates
-from .digits import OBJ_AXES, Digits, are_nowhere, decimals_of
+from .digits import OBJ_AXES, Digits, are_coarse, are_nowhere, decimals_of, fine_decimals
 
 # What is less than this of a matrix is rounding.
 NOISE = 2e-7
@@ -106,6 +106,9 @@ def _texts(points: np.ndarray, digits: Digits) -> list[bytes]:
     if digits.is_moved:
         places = decimals_of(points)
         rows = (points + OBJ_AXES @ digits.offset).round(places).tolist()
+        return [b" ".join(repr(number).encode() for number in row) for row in rows]
+    if are_coarse(points) is not None:  # the object is far away, not what it holds
+        rows = points.round(fine_decimals(points)).tolist()
         return [b" ".join(repr(number).encode() for number in row) for row in rows]
     rows = (points.astype(np.float32) + 0.0).astype("S16").tolist()  # −0 is 0
     return [b" ".join(row) for row in rows]

@@ -12,7 +12,7 @@ from ..files.ply import AXES
 from ..files.ply_table import Table
 from ..scene.coordinates import coordinates
 from ..scene.notes import note
-from .digits import Digits, decimals_of
+from .digits import Digits, are_coarse, are_nowhere, decimals_of, fine_decimals
 
 NORMALS = ("nx", "ny", "nz")
 # Relative to the largest coordinate, how far what is in a file may be from what is seen.
@@ -25,6 +25,15 @@ class Exact:
 
     points: np.ndarray
     held: np.ndarray
+
+    def of(self, count: int) -> "Exact | None":
+        """That of so many vertices: all, or those that are somewhere; None if it is neither."""
+        if count == len(self.points):
+            return self
+        is_there = ~are_nowhere(self.points)
+        return (
+            Exact(self.points[is_there], self.held[is_there]) if is_there.sum() == count else None
+        )
 
     def placed(self, points: np.ndarray) -> np.ndarray:
         """Vertices in the axes of the file with the digits that Blender lost."""
@@ -73,6 +82,9 @@ def finish(path: Path, digits: Digits, look: Look | None, is_single: bool) -> No
         table.columns.pop("alpha", None)
     if digits.is_moved or digits.is_double:
         _set_points(table, digits, look.exact if look is not None and is_single else None)
+    elif scene is not None and are_coarse(scene.points) is not None:
+        points = scene.points[scene.sources].round(fine_decimals(scene.points))
+        table.columns |= dict(zip(AXES, points.T, strict=True))
     table.write(path, look.format if look is not None else None, look.comments if look else ())
 
 
@@ -217,7 +229,8 @@ def _set_points(table: Table, digits: Digits, exact: Exact | None) -> None:
     points = read + digits.offset
     if digits.is_moved:
         points = points.round(decimals_of(read))
-    if exact is not None and exact.points.shape == read.shape:
+    exact = exact.of(len(read)) if exact is not None else None
+    if exact is not None:
         placed = exact.placed(read)
         is_rounded = digits.is_moved & (placed != exact.points) & np.isfinite(read)
         points = np.where(is_rounded, points, placed)
