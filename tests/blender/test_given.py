@@ -208,6 +208,23 @@ def test_of_whole_files_nothing_is_told(tmp_path: Path, capfd, name):
     ] == []
 
 
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_faces_of_gltf_that_blender_leaves_out_are_counted(tmp_path: Path, capfd, suffix):
+    points, faces = grid()
+    mesh = bpy.data.meshes.new("Sheet")
+    mesh.from_pydata(points.tolist(), [], faces.tolist())
+    mesh.shade_smooth()
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Sheet", mesh))
+    source, target = write_scene(tmp_path / f"in{suffix}"), tmp_path / f"out{suffix}"
+    assert "left out" not in told(source, target, capfd)
+    data = source if suffix == ".glb" else source.with_suffix(".bin")
+    content = data.read_bytes()
+    corners = struct.pack("<3H", *faces[3])
+    assert content.count(corners) == 1
+    data.write_bytes(content.replace(corners, struct.pack("<3H", *faces[4])))
+    assert "1 of 50 faces were left out" in told(source, target, capfd)
+
+
 def test_an_obj_cut_in_a_face_is_told(tmp_path: Path, capfd):
     source = write_obj(tmp_path / "sheet.obj", *grid())
     source.write_text(source.read_text().rstrip("\n").rsplit(" ", 1)[0])
