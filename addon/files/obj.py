@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from .faces import Faces
 
 NAN = float("nan")
+# So many lines are parsed at once.
+SOME = 1 << 16
 
 
 @dataclass
@@ -54,45 +56,63 @@ class Obj:
 
 @dataclass
 class _Found:
-    points: list[list[float]] = field(default_factory=list)
+    """Vertices, and the corners of faces or lines, of which some are still text."""
+
+    points: list[NDArray[np.float64]] = field(default_factory=list)
+    rows: list[list[bytes]] = field(default_factory=list)
+    corners: list[NDArray[np.int64]] = field(default_factory=list)
+    words: list[bytes] = field(default_factory=list)
     sizes: list[int] = field(default_factory=list)
-    corners: list[int] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
+    counts: list[int] = field(default_factory=list)
+    parsed: int = 0
+
+    def parse(self) -> None:
+        """Parse what is still text."""
+        self.points.append(_numbers(self.rows))
+        sizes = self.sizes[self.parsed :]
+        self.corners.append(_indices(self.words, np.repeat(self.counts, sizes)))
+        self.parsed = len(self.sizes)
+        self.rows, self.words, self.counts = [], [], []
 
 
 def read(path: Path) -> Obj:
     """Read the parts of a file that tell what its shapes are made of."""
-    found = _Found()
-    points, sizes, corners = found.points, found.sizes, found.corners
+    faces, others = _Found(), _Found()
+    count = 0
     sections = [Section("", 0)]
     groups: dict[str, None] = {}
     line = b"\n"
     with path.open("rb") as file:
         for line in whole_lines(file):
             words = line.split()
-            match words[:1]:
-                case [b"v"]:
-                    points.append([_number(word) for word in [*words[1:4], b"", b"", b""][:3]])
-                case [b"f"]:
-                    count = len(points)
-                    own = [_index(word, count) for word in words[1:]]
-                    sizes.append(len(own))
-                    corners.extend(own)
-                    sections[-1].drawn += 1
-                case [b"l"]:
-                    found.lines += [_index(word, len(points)) for word in words[1:]]
-                    sections[-1].drawn += 1
-                case [b"o"]:
-                    name = line.split(None, 1)[1:] or [b""]
-                    sections.append(Section(_text(name[0]), len(points)))
-                case [b"g"] if len(words) > 1:
-                    groups[_text(line.split(None, 1)[1])] = None
-    used = np.zeros(len(points), dtype=bool)
-    indices = np.array(corners + found.lines, dtype=np.int64)
-    used[indices[(indices >= 0) & (indices < len(points))]] = True
+            word = words[0] if words else b""
+            if word == b"v":
+                count += 1
+                faces.rows.append(words[1:4])
+                if len(faces.rows) == SOME:
+                    faces.parse()
+            elif word in (b"f", b"l"):
+                found = faces if word == b"f" else others
+                found.sizes.append(len(words) - 1)
+                found.words += words[1:]
+                found.counts.append(count)
+                sections[-1].drawn += 1
+                if len(found.counts) == SOME:
+                    found.parse()
+            elif word == b"o":
+                name = line.split(None, 1)[1:] or [b""]
+                sections.append(Section(_text(name[0]), count))
+            elif word == b"g" and len(words) > 1:
+                groups[_text(line.split(None, 1)[1])] = None
+    faces.parse()
+    others.parse()
+    corners = np.concatenate(faces.corners)
+    used = np.zeros(count, dtype=bool)
+    for indices in (corners, *others.corners):
+        used[indices[indices >= 0]] = True
     return Obj(
-        np.array(points, dtype=np.float64).reshape(-1, 3),
-        Faces(np.array(sizes, dtype=np.int64), np.array(corners, dtype=np.int64), len(points)),
+        np.concatenate(faces.points),
+        Faces(np.array(faces.sizes, dtype=np.int64), corners, count),
         sections,
         list(groups),
         np.flatnonzero(~used),
@@ -118,6 +138,15 @@ def refer_to(vertices: NDArray[np.int64]) -> bytes:
     return b"".join(b"l %d %d\n" % (vertex + 1, vertex + 1) for vertex in vertices.tolist())
 
 
+def _numbers(rows: list[list[bytes]]) -> NDArray[np.float64]:
+    """Coordinates (V, 3); NaN for what is no number, or missing."""
+    try:
+        return np.array(rows, dtype="S").reshape(-1, 3).astype(np.float64)
+    except ValueError:
+        full = ([*row, b"", b"", b""][:3] for row in rows)
+        return np.array([[_number(word) for word in row] for row in full])
+
+
 def _number(word: bytes) -> float:
     try:
         return float(word)
@@ -125,14 +154,27 @@ def _number(word: bytes) -> float:
         return NAN
 
 
-def _index(word: bytes, count: int) -> int:
-    """The vertex, from 0, of a corner after so many vertices; −1 if it refers to none of them."""
+def _indices(words: list[bytes], counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The vertices, from 0, of corners, each after so many; −1 where it is none of these."""
+    if not words:
+        return np.zeros(0, dtype=np.int64)
+    firsts = [word.partition(b"/")[0] for word in words]
     try:
-        number = int(word.partition(b"/")[0])
+        numbers = np.array(firsts, dtype="S").astype(np.int64)
+    except (ValueError, OverflowError):
+        numbers = np.array([_whole(word) for word in firsts], dtype=np.int64)
+    places = np.where(numbers > 0, numbers - 1, counts + numbers)
+    is_there = (places >= 0) & (places < counts) & (numbers != 0)
+    return np.where(is_there, places, -1)
+
+
+def _whole(word: bytes) -> int:
+    """A number as small as a vertex may have; 0 for all else."""
+    try:
+        number = int(word)
     except ValueError:
-        return -1
-    place = number - 1 if number > 0 else count + number
-    return place if 0 <= place < count and number else -1
+        return 0
+    return number if abs(number) < 1 << 40 else 0
 
 
 def _text(name: bytes) -> str:

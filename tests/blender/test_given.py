@@ -13,6 +13,7 @@ import pytest
 from command_line_files import empty, exportable, load, meshes, run, write_scene
 
 ply = import_module("bl_ext.user_default.spectral_tv.files.ply")
+objs = import_module("bl_ext.user_default.spectral_tv.files.obj")
 tables = import_module("bl_ext.user_default.spectral_tv.files.ply_table")
 ALL_PASS = ["--gain", "all=1", "--bands", "1", "--steps", "2"]
 ORDINARY = re.compile(r"\d+ %|: wrote ")
@@ -383,6 +384,23 @@ def test_formats_with_floats_alone_tell_of_coarse_steps(tmp_path: Path, capfd, s
     source = write_scene(tmp_path / f"in{suffix}")
     error = told(source, tmp_path / f"out{suffix}", capfd)
     assert "so far from 0 that its coordinates are in steps of 0.5" in error
+
+
+def test_obj_files_with_odd_lines_are_read_as_they_are(tmp_path: Path):
+    """Indices from the end, lines that go on, corners with UVs, and what is no number."""
+    source = tmp_path / "odd.obj"
+    source.write_text(
+        "v 0 0 0\n v 1 0 \\\n0 1 0.5 0\nv 1 1\nv 1 x 0\nvt 0 0\n"
+        "f 1/1 2/1/1 3//1\nf -1 -2 \\\n -3\nf 1 2 99999999999999999999\nf 1 2 a\nf 4 0 5\nl 1 -1\n"
+    )
+    read = objs.read(source)
+    np.testing.assert_array_equal(
+        read.points, [[0, 0, 0], [1, 0, 0], [1, 1, np.nan], [1, np.nan, 0]]
+    )
+    assert read.faces.sizes.tolist() == [3, 3, 3, 3, 3]
+    expected = [0, 1, 2, 3, 2, 1, 0, 1, -1, 0, 1, -1, 3, -1, -1]
+    assert read.faces.corners.tolist() == expected
+    assert read.loose.tolist() == []
 
 
 def test_groups_of_an_obj_are_told(tmp_path: Path, capfd):
