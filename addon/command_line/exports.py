@@ -101,6 +101,7 @@ def _export_gltf(place: Path, export: Export) -> None:
 
 
 def _export_fbx(place: Path, export: Export) -> None:
+    export.options["bake_anim"] = _moves()
     if not _has_takes():
         # One take of all that moves: takes of single actions begin at 0, without shape keys.
         export.options["bake_anim_use_nla_strips"] = False

@@ -155,7 +155,8 @@ FORMATS = {
         "use_selection",
         {
             "add_leaf_bones": False,
-            "bake_anim_simplify_factor": 0.0,
+            # All that moves, as it is; 0 has what stands still be animated too.
+            "bake_anim_simplify_factor": 1e-6,
             "embed_textures": True,
             "path_mode": "COPY",
             "use_custom_props": True,
