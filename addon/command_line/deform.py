@@ -13,12 +13,14 @@ from ..deformation.constraints import ALGORITHMS, deformation_of
 from ..deformation.deform import message, prepare, write
 from ..deformation.empties import add_empty
 from ..scene.animation import travel
-from ..scene.notes import note
-from ..scene.objects import Refusal
+from ..scene.notes import gathered, listed, note
+from ..scene.objects import Refusal, refusal
+from ..scene.surface import Reading
+from ..scene.touching import touching
 from .arguments import percent
 from .formats import BLEND, HOLDS, NO
 from .frames import frames_argument
-from .places import group_of
+from .places import Region, group_of
 from .progress import progress, say
 from .verb import Task, Verb
 
@@ -108,6 +110,18 @@ frame."""
             raise Refusal("no object in it has constraints; give some with --pin and --move")
         return held
 
+    def groups(
+        self, objects: list[bpy.types.Object], choices: argparse.Namespace
+    ) -> list[list[bpy.types.Object]]:
+        """Each object by itself; notes what that does to those that belong together."""
+        named = [*choices.pins, *(where for where, _ in choices.moves)]
+        regions = [region.name for where in named if (region := Region.read(where))]
+        if len(objects) > 1 and regions:
+            names = listed(obj.name for obj in objects)
+            note(f"{listed(regions)}: percent are of each object by itself, {names}")
+        _tell_touching(objects, choices)
+        return super().groups(objects, choices)
+
     def treat(
         self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
     ) -> None:
@@ -154,6 +168,26 @@ def _constrain(obj: bpy.types.Object, choices: argparse.Namespace) -> list[bpy.t
         empties.append(empty)
     bpy.context.view_layer.update()
     return empties
+
+
+def _tell_touching(objects: Sequence[bpy.types.Object], choices: argparse.Namespace) -> None:
+    """Note which objects tear as they, or others in the file, are deformed apart."""
+    others = [] if choices.objects else bpy.context.view_layer.objects
+    meshes = [obj for obj in others if obj.type == "MESH" and len(obj.data.polygons)]
+    all_of_them = list(dict.fromkeys([*objects, *meshes]))
+    sound = [obj for obj in all_of_them if refusal(obj) is None]
+    try:
+        with gathered():  # of each object it is told when that is deformed
+            found = touching(sound, [None] * len(sound), Reading.of_scene())
+    except (Refusal, spectral_tv.MeshError):  # so is why one cannot be
+        return
+    for group in found:
+        names = [sound[index].name for index in group]
+        if len(group) > 1 and any(sound[index] in objects for index in group):
+            note(
+                f"open edges of {listed(names)} meet, but each object is deformed by itself, so "
+                "the surface may tear there: join them into one object before"
+            )
 
 
 def _parts(obj: bpy.types.Object, named: list[str], choices: argparse.Namespace) -> list[str]:

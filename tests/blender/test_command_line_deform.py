@@ -356,3 +356,54 @@ def test_objects_of_one_mesh_are_deformed_alike_and_that_is_told(tmp_path: Path,
     bpy.ops.wm.save_mainfile()
     assert run(["deform", str(source), "-o", str(tmp_path / "no.blend")]) == 1
     assert "Its mesh is also that of" in capfd.readouterr().err
+
+
+def write_halves(path: Path, gap: float = 1e-6) -> Path:
+    """Two halves of a plate, left and right, whose borders are so far apart."""
+    empty()
+    for name, x in (("left", -0.5), ("right", 0.5 + gap)):
+        bpy.ops.mesh.primitive_grid_add(x_subdivisions=9, y_subdivisions=9, size=1)
+        obj = bpy.context.object
+        obj.name = obj.data.name = name
+        for vertex in obj.data.vertices:
+            vertex.co.x += x
+    return write_scene(path)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".glb", ".blend"])
+def test_objects_that_belong_together_and_are_deformed_apart_are_told(
+    tmp_path: Path, capfd, suffix
+):
+    options = ["--pin", "x<10%", "--move", "x>90%:0,0,0.2"]
+    source, target = write_halves(tmp_path / f"in{suffix}"), tmp_path / f"out{suffix}"
+    assert run(["deform", str(source), "-o", str(target), *options]) == 0
+    told = capfd.readouterr().err
+    assert "open edges of left, right meet, but each object is deformed by itself" in told
+    assert "x<10%, x>90%: percent are of each object by itself, left, right" in told
+
+
+def test_objects_apart_and_single_ones_tear_nowhere(tmp_path: Path, capfd):
+    options = ["--pin", "x<10%", "--move", "x>90%:0,0,0.2"]
+    target = tmp_path / "out.obj"
+    source = write_halves(tmp_path / "in.obj", gap=0.3)
+    assert run(["deform", str(source), "-o", str(target), *options]) == 0
+    told = capfd.readouterr().err
+    assert "meet" not in told
+    assert "percent are of each object by itself, left, right" in told
+    source = write_halves(tmp_path / "in.obj")
+    assert run(["deform", str(source), "-o", str(target), *options, "--object", "left"]) == 0
+    told = capfd.readouterr().err
+    assert "meet" not in told
+    assert "percent" not in told
+
+
+def test_an_object_that_stays_beside_one_that_is_deformed_is_told(tmp_path: Path, capfd):
+    write_halves(tmp_path / "in.blend")
+    obj = bpy.data.objects["right"]
+    for name, is_in in (("Feet", lambda x: x < 0.1), ("Head", lambda x: x > 0.9)):
+        members = [vertex.index for vertex in obj.data.vertices if is_in(vertex.co.x)]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+    add_handle(obj)
+    source, target = write_scene(tmp_path / "in.blend"), tmp_path / "out.obj"
+    assert run(["deform", str(source), "-o", str(target)]) == 0
+    assert "open edges of right, left meet" in capfd.readouterr().err
