@@ -155,8 +155,7 @@ FORMATS = {
         "use_selection",
         {
             "add_leaf_bones": False,
-            # All that moves, as it is; 0 has what stands still be animated too.
-            "bake_anim_simplify_factor": 1e-6,
+            "bake_anim_simplify_factor": 0.0,
             "embed_textures": True,
             "path_mode": "COPY",
             "use_custom_props": True,
@@ -221,6 +220,11 @@ def call(name: str, **options: Any) -> bool:
     return operator(**{key: value for key, value in options.items() if key in known}) == {
         "FINISHED"
     }
+
+
+def has_option(name: str, option: str) -> bool:
+    """Whether an operator of this Blender takes an option."""
+    return option in _operator(name).get_rna_type().properties
 
 
 def _operator(name: str) -> Any:

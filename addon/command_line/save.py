@@ -15,6 +15,7 @@ from .exports import Export, is_text, write
 from .formats import BLEND, FORMATS, a, call
 from .load import LONGEST_PATH, OFFSET, Source
 from .losses import tell_losses
+from .metres import tell_units
 from .writing import written_by_blender
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -35,6 +36,7 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
         names = {obj.name for obj in objects}
         things = [thing for thing in source.things if thing.owner in names]
         tell_losses(things, suffix, source.suffix)
+        tell_units(suffix)
         read = source.digits
         if read.is_moved and not _holds_offset(suffix, source):
             note(f"{a(suffix)} stays relative to {read.told(source.suffix)}")
