@@ -16,6 +16,7 @@ from .formats import BLEND, FORMATS, a, call
 from .load import LONGEST_PATH, OFFSET, Source
 from .losses import tell_losses
 from .metres import tell_units
+from .nowhere import left_out, tell_kept
 from .writing import written_by_blender
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -29,10 +30,11 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
     """
     suffix = path.suffix.lower()
     if suffix == BLEND:
+        tell_kept(bpy.context.view_layer.objects)
         with written_by_blender(path) as place:
             _write_blend(place, source)
         return
-    with _exported(only) as objects:
+    with _exported(only) as objects, left_out(objects, suffix):
         names = {obj.name for obj in objects}
         things = [thing for thing in source.things if thing.owner in names]
         tell_losses(things, suffix, source.suffix)
