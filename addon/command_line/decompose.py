@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -25,11 +24,9 @@ from ..scene import applied
 from ..scene.notes import note
 from ..scene.shape_keys import SLIDER_RANGE
 from .arguments import number, percent, whole
-from .formats import HOLDS, NO
 from .frames import all_or_frames, frames_of, treat_frames
-from .load import Source, freeze
+from .load import freeze
 from .progress import progress
-from .save import save
 from .verb import Job, Task, Verb
 
 # A key's value is the gain less one.
@@ -186,24 +183,6 @@ All other formats hold the filtered shape."""
             self.treat_groups(copies, choices, job, f", frame {frame}")
 
         treat_frames(objects, frames, treat)
-
-    def write(
-        self,
-        file: Path,
-        only: Sequence[bpy.types.Object] | None,
-        choices: argparse.Namespace,
-        read: Source,
-    ) -> str | list[str]:
-        """Write the file, or one for each frame."""
-        if choices.frames is None or HOLDS[file.suffix.lower()]["animation"] != NO:
-            return super().write(file, only, choices, read)
-        written = []
-        for frame in frames_of(choices.frames, read):
-            bpy.context.scene.frame_set(frame)
-            path = file.with_stem(f"{file.stem}_{frame:04d}")
-            save(path.absolute(), only, read)
-            written.append(str(path))
-        return written
 
     def groups(
         self, objects: list[bpy.types.Object], choices: argparse.Namespace

@@ -18,8 +18,8 @@ from ..scene.objects import Refusal, refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching
 from .arguments import percent
-from .formats import BLEND, HOLDS, NO
-from .frames import frames_argument
+from .formats import BLEND
+from .frames import frames_argument, plays
 from .places import Region, group_of
 from .progress import progress, say
 from .verb import Task, Verb
@@ -40,8 +40,8 @@ hold constraints in the file are deformed by them.
 
 A .blend keeps the deformation as a shape key, the parts as vertex groups and constraints, and an
 empty per --move to drag on; .glb, .gltf and .fbx carry the shape key too. All other formats hold
-the deformed shape. With --frames .abc and USD files play it, others have that of the current
-frame."""
+the deformed shape. With --frames .abc and USD files play it; of the others there is a file for
+each frame."""
     examples = """\
   blender --command spectral_tv deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
   blender --command spectral_tv deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10
@@ -88,7 +88,8 @@ frame."""
             type=frames_argument,
             help="a shape key for each of these frames and the last one, played in turn as the "
             "handles move; those of --move go their way from the first to the last. With = where "
-            "the first is negative: --frames=-10-40",
+            "the first is negative: --frames=-10-40. Of a format that cannot play there is a file "
+            "for each",
         )
 
     def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
@@ -140,12 +141,8 @@ frame."""
         empties = _constrain(obj, choices) if choices.moves else []
         done = _deform(obj, task) if choices.frames is None else _bake(obj, choices.frames, task)
         say(f"{task.label}: {done}")
-        suffix = None if task.file is None else task.file.suffix.lower()
-        if suffix != BLEND:
+        if task.file is None or task.file.suffix.lower() != BLEND:
             bpy.data.batch_remove(empties)
-        if choices.frames is not None and suffix is not None and HOLDS[suffix]["animation"] == NO:
-            frame = bpy.context.scene.frame_current
-            note(f"{suffix} holds no animation of shapes: it has that of frame {frame}")
 
 
 def _constrain(obj: bpy.types.Object, choices: argparse.Namespace) -> list[bpy.types.Object]:
@@ -223,7 +220,8 @@ def _bake(obj: bpy.types.Object, frames: list[int], task: Task) -> str:
     scene = bpy.context.scene  # exporters keep to its frames
     scene.frame_start = min(scene.frame_start, frames[0])
     scene.frame_end = max(scene.frame_end, frames[-1])
-    if scene.frame_start > frames[0]:  # Blender has no such start
+    is_played = task.file is None or plays(task.file)
+    if scene.frame_start > frames[0] and is_played:  # Blender has no such start
         note(f"the scene starts at frame {scene.frame_start}: no export goes back to {frames[0]}")
     deformable, targets, deformer = baking.prepare(obj, frames, lambda _fraction: None)
     with progress(task.label) as show:

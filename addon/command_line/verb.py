@@ -11,10 +11,12 @@ import bpy
 import spectral_tv
 
 from ..files.whole import ensure_writable
+from ..scene.frames import kept, visited
 from ..scene.notes import gathered, listed
 from ..scene.objects import Refusal, refusal
 from . import errors, picture
 from .arguments import add_arguments, complaint, epilog, outputs
+from .frames import frames_of, plays
 from .load import Source, freeze, load
 from .progress import say
 from .report import DONE, Entry, Report
@@ -204,12 +206,21 @@ class Verb(Command):
         self,
         file: Path,
         only: Sequence[bpy.types.Object] | None,
-        _choices: argparse.Namespace,
+        choices: argparse.Namespace,
         read: Source,
     ) -> str | list[str]:
-        """Write the file, and tell its name, or those of several that it became."""
-        save(file.absolute(), only, read)
-        return str(file)
+        """Write the file, or one for each frame if it cannot play them, and tell the names."""
+        if choices.frames is None or plays(file):
+            save(file.absolute(), only, read)
+            return str(file)
+        written = []
+        scene = bpy.context.scene
+        with kept(scene):
+            for frame in visited(scene, frames_of(choices.frames, read)):
+                path = file.with_stem(f"{file.stem}_{frame:04d}")
+                save(path.absolute(), only, read)
+                written.append(str(path))
+        return written
 
     def treat_groups(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import bpy
@@ -325,12 +326,22 @@ def test_over_frames_in_stretched_time_what_is_moved_goes_its_way(tmp_path: Path
     np.testing.assert_allclose(np.diff(heights), 0.25, atol=1e-3)
 
 
-def test_what_a_format_has_of_the_frames_is_told(tmp_path: Path, capfd):
-    source = write_held(tmp_path / "held.blend")
-    for suffix in (".obj", ".glb"):
-        deform(source, tmp_path / f"out{suffix}", "--frames", "1-9:4")
-        told = f"{source}: .obj holds no animation of shapes: it has that of frame 9"
-        assert (told in capfd.readouterr().err) == (suffix == ".obj")
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".stl"])
+def test_a_format_that_cannot_play_gets_a_file_for_each_frame(tmp_path: Path, suffix):
+    source, report = write_held(tmp_path / "held.blend"), tmp_path / "report.jsonl"
+    options = ["--frames=-3-9:4", "--report", str(report)]
+    assert run(["deform", str(source), "-o", str(tmp_path / f"out{suffix}"), *options]) == 0
+    assert bpy.context.scene.frame_current == 9
+    names = [f"out_{frame}{suffix}" for frame in ("-003", "0001", "0005", "0009")]
+    assert sorted(path.name for path in tmp_path.glob(f"out*{suffix}")) == sorted(names)
+    line = json.loads(report.read_text())
+    assert line["output"] == [str(tmp_path / name) for name in names]
+    assert not any("scene starts" in text for text in line["warnings"])
+    for name, x in zip(names, (0.0, 0.0, 0.4, 0.8), strict=True):
+        load(tmp_path / name)
+        points = shown()
+        head = points[points[:, 2] > points[:, 2].max() - 0.1]
+        assert head[:, 0].mean() == pytest.approx(x, abs=0.05)
 
 
 def test_frames_that_no_scene_starts_at_are_told(tmp_path: Path, capfd):
