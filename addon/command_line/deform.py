@@ -13,7 +13,7 @@ from ..deformation.constraints import ALGORITHMS, deformation_of
 from ..deformation.deform import message, prepare, write
 from ..deformation.empties import add_empty
 from ..scene.animation import travel
-from ..scene.notes import gathered, listed, note
+from ..scene.notes import listed, note
 from ..scene.objects import Refusal, refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching
@@ -129,10 +129,10 @@ each frame."""
         """Give an object the shape keys of its deformation."""
         (obj,) = objects
         if choices.moves and not _parts(obj, [where for where, _ in choices.moves], choices):
-            note(f"{obj.name} was left as it is: it has none of the groups to move")
+            note("it was left as it is: it has none of the groups to move")
             return
         if obj.data.users > 1:
-            note(f"{obj.data.users} objects share the mesh of {obj.name}: all are deformed alike")
+            note(f"{obj.data.users} objects share its mesh: all are deformed alike")
         deformation = deformation_of(obj)
         if choices.algorithm is not None:
             deformation.algorithm = choices.algorithm.upper()
@@ -174,9 +174,8 @@ def _tell_touching(objects: Sequence[bpy.types.Object], choices: argparse.Namesp
     all_of_them = list(dict.fromkeys([*objects, *meshes]))
     sound = [obj for obj in all_of_them if refusal(obj) is None]
     try:
-        with gathered():  # of each object it is told when that is deformed
-            found = touching(sound, [None] * len(sound), Reading.of_scene())
-    except (Refusal, spectral_tv.MeshError):  # so is why one cannot be
+        found = touching(sound, [None] * len(sound), Reading.of_scene())
+    except (Refusal, spectral_tv.MeshError):  # told when that object is deformed
         return
     for group in found:
         names = [sound[index].name for index in group]
@@ -201,7 +200,7 @@ def _parts(obj: bpy.types.Object, named: list[str], choices: argparse.Namespace)
             is_elsewhere = any(where.strip() in each.vertex_groups for each in others)
             if choices.objects or not is_elsewhere:
                 raise
-            note(f"{obj.name} has no vertex group {where.strip()!r}")
+            note(f"it has no vertex group {where.strip()!r}")
         else:
             found.append(where)
     return found

@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import bpy
 
@@ -64,7 +65,33 @@ def _write_blend(place: Path, source: Source) -> None:
     _ensure_short(place)
     if source.digits.is_moved:
         bpy.context.scene[OFFSET] = source.digits.offset.tolist()
+    try:
+        _save(place)
+    except RuntimeError:
+        _ensure_room(place)
+        raise
+
+
+def _save(place: Path) -> None:
     call("wm.save_as_mainfile", filepath=str(place), check_existing=False, copy=True)
+
+
+def _ensure_room(place: Path) -> None:
+    """Raise the error of the disk that keeps a .blend from being written: Blender may tell others.
+
+    Where another disk holds the file, that is copied to the place.
+    """
+    with TemporaryDirectory(prefix="spectral_tv_") as folder:
+        other = Path(folder) / place.name
+        try:
+            _save(other)
+            content = other.read_bytes()
+        except (OSError, RuntimeError):
+            return
+    with place.open("wb") as file:
+        file.write(content)
+        os.fsync(file.fileno())
+    place.unlink()  # its relative paths are those of another folder
 
 
 def _ensure_short(place: Path) -> None:

@@ -276,8 +276,8 @@ def test_a_group_that_only_other_objects_have_is_left_out_there(tmp_path: Path, 
     parts = ["--pin", "Feet", "--move", "Head:0.4,0,0"]
     deform(path, tmp_path / "out.blend", *parts)
     told = capfd.readouterr().err
-    assert f"{path}: Hair has no vertex group 'Feet'" in told
-    assert f"{path}: Eyes was left as it is: it has none of the groups to move" in told
+    assert f"{path}: Hair: it has no vertex group 'Feet'" in told
+    assert f"{path}: Eyes: it was left as it is: it has none of the groups to move" in told
     body, hair, eyes = (bpy.data.objects[name] for name in ("Body", "Hair", "Eyes"))
     z = key_positions(body, "Basis")[:, 2]
     assert_all(moved(body)[z > 1.8], (0.4, 0, 0))
@@ -360,7 +360,7 @@ def test_objects_of_one_mesh_are_deformed_alike_and_that_is_told(tmp_path: Path,
     bpy.context.scene.collection.objects.link(twin)
     bpy.ops.wm.save_mainfile()
     deform(source, tmp_path / "out.blend", *UP)
-    assert f"{source}: 2 objects share the mesh of Dumbbell" in capfd.readouterr().err
+    assert f"{source}: 2 objects share its mesh: all are deformed alike" in capfd.readouterr().err
     load(source)
     for each in meshes():
         add_handle(each)
