@@ -23,6 +23,8 @@ from .dress import dress_of
 from .formats import FORMATS, call
 from .given import write_stl
 from .load import Source
+from .metres import in_metres
+from .moving_curves import moving_alone
 from .shown import Kept, shown
 from .textures import beside, folder_name
 
@@ -99,16 +101,17 @@ def _export_gltf(place: Path, export: Export) -> None:
         export.options["export_animation_mode"] = "ACTIVE_ACTIONS"  # they are played together
     if export.suffix == ".gltf":
         export.options["export_texture_dir"] = folder_name(place)
-    with _shown(export, export.meshes):
+    with _shown(export, export.meshes), in_metres(export.suffix):
         export.call(place)
 
 
 def _export_fbx(place: Path, export: Export) -> None:
+    export.options["bake_anim"] = _moves()
     if not _has_takes():
         # One take of all that moves: takes of single actions begin at 0, without shape keys.
         export.options["bake_anim_use_nla_strips"] = False
         export.options["bake_anim_use_all_actions"] = False
-    with _shown(export, export.meshes):
+    with _shown(export, export.meshes), moving_alone():
         export.call(place)
 
 
@@ -212,7 +215,8 @@ def _export_usd(place: Path, export: Export) -> None:
     first = place if is_archive else place.parent.with_suffix(export.suffix)
     export.options["export_textures_mode"] = "NEW" if is_archive else "KEEP"
     textures = nullcontext() if is_archive else _beside(place, export)
-    with _parented(export), _shown(export, laid_out, is_kept), textures, _frames_that_move():
+    laid = _shown(export, laid_out, is_kept)
+    with _parented(export), laid, textures, _frames_that_move(), in_metres(export.suffix):
         export.call(first)
     if first != place:
         os.replace(first, place)

@@ -222,6 +222,11 @@ def call(name: str, **options: Any) -> bool:
     }
 
 
+def has_option(name: str, option: str) -> bool:
+    """Whether an operator of this Blender takes an option."""
+    return option in _operator(name).get_rna_type().properties
+
+
 def _operator(name: str) -> Any:
     module, _, function = name.partition(".")
     return getattr(getattr(bpy.ops, module), function)

@@ -18,6 +18,7 @@ from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
 from . import given as files
+from .arguments import ensure_file
 from .contents import Thing, has_moving_shape, images, survey
 from .digits import Digits, are_coarse
 from .finish_ply import Exact, Look
@@ -155,8 +156,7 @@ def _import(path: Path, suffix: str) -> None:
 
 def _ensure_readable(path: Path, suffix: str) -> None:
     """Raise Refusal if there is no file that this Blender can read."""
-    if not path.is_file():
-        raise Refusal("there is no such file")
+    ensure_file(path)
     if suffix not in importable():
         raise Refusal(f"this Blender reads no {suffix or 'files without suffix'}")
     if path.stat().st_size == 0:

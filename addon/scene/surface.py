@@ -224,14 +224,17 @@ class _Part:
             places[corners[:, ::-1] if is_flipped else corners]
             for places, is_flipped in zip(copies.places, copies.is_flipped, strict=True)
         ]
-        positions = copies.positions @ matrix.T + np.array(shift)
+        is_nowhere = np.isnan(copies.positions)
+        positions = np.where(is_nowhere, 0.0, copies.positions) @ matrix.T + np.array(shift)
+        # A coordinate in the world has no place if it depends on one that has none.
+        positions[is_nowhere @ (matrix != 0).T] = np.nan
         return cls(copies, matrix, positions, np.concatenate(turned))
 
 
 def _without_strays(shape: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """The shape with NaN for vertices that are nowhere, and those in no face at any place."""
-    is_nowhere = ~(np.abs(shape) < NOWHERE).all(axis=1)
-    shape = np.where(is_nowhere[:, np.newaxis], np.nan, shape)
+    """The shape with NaN for coordinates that are nowhere, and vertices in no face at any place."""
+    shape = np.where(np.abs(shape) < NOWHERE, shape, np.nan)
+    is_nowhere = np.isnan(shape).any(axis=1)
     is_stray = is_nowhere.copy()
     is_stray[corners] = False
     count = np.count_nonzero(is_stray)
