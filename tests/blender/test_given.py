@@ -16,7 +16,7 @@ ply = import_module("bl_ext.user_default.spectral_tv.files.ply")
 objs = import_module("bl_ext.user_default.spectral_tv.files.obj")
 tables = import_module("bl_ext.user_default.spectral_tv.files.ply_table")
 ALL_PASS = ["--gain", "all=1", "--bands", "1", "--steps", "2"]
-ORDINARY = re.compile(r"\d+ %|: wrote ")
+ORDINARY = re.compile(r"\d+ %|: wrote |the filter changes nothing")
 ORDERS = {"": "ascii", "<": "binary_little_endian", ">": "binary_big_endian"}
 
 
