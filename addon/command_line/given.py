@@ -25,7 +25,8 @@ from .digits import FAR, OBJ_AXES, PLAIN, Digits, are_nowhere, of_points
 class Given:
     """A file as it is: how coordinates are stored, and where its vertices are, (V, 3).
 
-    ``obj`` is what else is in an OBJ file, ``spare`` the bytes behind the end of an STL file.
+    ``obj`` is what else is in an OBJ file, ``spare`` the bytes behind the end of an STL file, and
+    ``faces`` those of a PLY file.
     """
 
     path: Path
@@ -33,6 +34,7 @@ class Given:
     points: np.ndarray | None = None
     obj: objs.Obj | None = None
     spare: int = 0
+    faces: Faces | None = None
 
     @property
     def has_gaps(self) -> bool:
@@ -43,7 +45,9 @@ class Given:
     def _is_good(self) -> bool:
         """Whether Blender reads it right."""
         has_loose = self.obj is not None and len(self.obj.loose) > 0
-        return not (self.digits.is_moved or self.spare or self.has_gaps or has_loose)
+        # From Blender 5.2 on vertices that are not there become the first one.
+        is_astray = self.faces is not None and bool(self.faces.are_outside().any())
+        return not (self.digits.is_moved or self.spare or self.has_gaps or has_loose or is_astray)
 
     @contextmanager
     def mended(self) -> Iterator[Path]:
@@ -71,11 +75,20 @@ class Given:
         if self.obj is not None:
             _mend_obj(self.path, place, points, self.obj)
         elif self.path.suffix.lower() == ".ply":
-            vertices = ply.find_vertices(self.path, ply.read_header(self.path))
-            assert vertices is not None
-            vertices.replace(self.path, place, points)
+            self._mend_ply(place, points)
         else:
             write_stl(self.path, place, points)
+
+    def _mend_ply(self, place: Path, points: np.ndarray) -> None:
+        if self.faces is not None and self.faces.are_outside().any():
+            table = ply_table.read(self.path)
+            table.columns |= dict(zip(ply.AXES, points.T, strict=True))
+            table.faces = self.faces.only(~self.faces.are_outside())
+            table.write(place, None, ())
+            return
+        vertices = ply.find_vertices(self.path, ply.read_header(self.path))
+        assert vertices is not None
+        vertices.replace(self.path, place, points)
 
     def compare(self, objects: Sequence[bpy.types.Object]) -> None:
         """Have vertices be nowhere that are so in the file, and note what else it had."""
@@ -126,7 +139,7 @@ class Given:
             return self.obj.faces
         if self.path.suffix.lower() == ".stl":
             return stl.faces(self.points) if self.points is not None else None
-        return ply_table.read_faces(self.path, ply.read_header(self.path))
+        return self.faces
 
 
 def read(path: Path) -> Given:
@@ -161,7 +174,8 @@ def _of_ply(path: Path) -> Given:
     if vertices is None or vertices.element.count == 0:
         return Given(path, Digits(np.zeros(3), is_text, header.is_double))
     points = vertices.read(path)
-    return Given(path, of_points(points, is_text, header.is_double), points)
+    faces = ply_table.read_faces(path, header) if header.element("tristrips") is None else None
+    return Given(path, of_points(points, is_text, header.is_double), points, faces=faces)
 
 
 def _of_obj(path: Path) -> Given:

@@ -17,12 +17,22 @@ class Faces:
     corners: NDArray[np.int64]
     count: int
 
+    def are_outside(self) -> NDArray[np.bool_]:
+        """Which faces (F,) refer to a vertex that is not there."""
+        owner = np.repeat(np.arange(len(self.sizes)), self.sizes)
+        found = np.zeros(len(self.sizes), dtype=bool)
+        found[owner[(self.corners < 0) | (self.corners >= self.count)]] = True
+        return found
+
+    def only(self, wanted: NDArray[np.bool_]) -> "Faces":
+        """Some of the faces."""
+        return Faces(self.sizes[wanted], self.corners[np.repeat(wanted, self.sizes)], self.count)
+
     def faults(self) -> list[str]:
         """What is wrong with how many of them, as the user reads it; faces count from 0."""
         total = len(self.sizes)
         owner = np.repeat(np.arange(total), self.sizes)
-        outside = np.zeros(total, dtype=bool)
-        outside[owner[(self.corners < 0) | (self.corners >= self.count)]] = True
+        outside = self.are_outside()
         small = (self.sizes < 3) & ~outside
         order = np.lexsort((self.corners, owner))  # each face by itself, its corners in order
         inner = self.corners[order]

@@ -13,6 +13,7 @@ from .ply import ORDERS, TYPES, Element, Header, pass_over, read_header
 
 CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
 NAMES = {kind: name for name, kind in reversed(TYPES.items())}
+ENDS = ("vertex1", "vertex2")
 CORNERS = ("vertex_indices", "vertex_index")
 
 
@@ -37,7 +38,8 @@ class Table:
             kind = NAMES[values.dtype.str[1:]]
             head.append(f"property {kind} {name}".encode())
         head.append(b"element face %d" % len(self.faces.sizes))
-        head.append(b"property list uchar uint vertex_indices")
+        counts = NAMES[self._counts].encode()
+        head.append(b"property list %b uint vertex_indices" % counts)
         if edge is not None:
             head.append(b"element edge %d" % len(self.edges))
             head += [b"property int vertex1", b"property int vertex2"]
@@ -45,18 +47,24 @@ class Table:
             file.writelines(line + b"\n" for line in [*head, b"end_header"])
             file.write(self._binary(order) if order else self._text())
 
+    @property
+    def _counts(self) -> str:
+        """The type of how many corners faces have."""
+        return "u1" if self.faces.sizes.max(initial=0) < 256 else "u4"
+
     def _binary(self, order: str) -> bytes:
         kinds = [(name, order + values.dtype.str[1:]) for name, values in self.columns.items()]
         rows = np.empty(len(next(iter(self.columns.values()))), np.dtype(kinds))
         for name, values in self.columns.items():
             rows[name] = values
         sizes, corners = self.faces.sizes, self.faces.corners
-        lengths = 1 + 4 * sizes
-        ends = np.cumsum(lengths)
+        counts = np.dtype(order + self._counts)
+        lengths = counts.itemsize + 4 * sizes
+        starts = np.cumsum(lengths) - lengths
         data = np.empty(int(lengths.sum()), dtype=np.uint8)
         is_count = np.zeros(len(data), dtype=bool)
-        is_count[ends - lengths] = True
-        data[is_count] = sizes
+        is_count[starts[:, np.newaxis] + np.arange(counts.itemsize)] = True
+        data[is_count] = sizes.astype(counts).view(np.uint8)
         data[~is_count] = corners.astype(order + "u4").view(np.uint8)
         return rows.tobytes() + data.tobytes() + self.edges.astype(order + "i4").tobytes()
 
@@ -78,8 +86,9 @@ def read(path: Path) -> Table:
     assert vertex is not None
     columns = _columns(path, header, vertex)
     edge = header.element("edge")
-    ends = _columns(path, header, edge) if edge is not None else {}
-    edges = [ends[name].astype(np.int64) for name in ("vertex1", "vertex2") if ends]
+    is_plain = edge is not None and edge.row("<") is not None
+    ends = _columns(path, header, edge) if edge is not None and is_plain else {}
+    edges = [ends[name].astype(np.int64) for name in ENDS if set(ENDS) <= set(ends)]
     faces = read_faces(path, header)
     none = np.zeros(0, dtype=np.int64)
     return Table(
