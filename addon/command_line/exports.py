@@ -172,7 +172,8 @@ def _export_ply(place: Path, export: Export) -> None:
         obj.data.has_custom_normals for obj in export.meshes
     )
     export.options["ascii_format"] = is_text(".ply", source)
-    with export.dressed():
+    # Blender 5.2 writes what will be rendered, so modifiers are applied before.
+    with shown(export.meshes, lambda _obj, _key: False, None, dress_of(".ply")):
         export.call(place)
         check(place)
         finish_ply.finish(place, source.digits, look, len(export.meshes) == 1)
