@@ -141,13 +141,7 @@ impl Cholesky {
     }
 
     fn in_units(units: Arc<[Unit]>, analysis: Analysis, stage: Stage) -> Result<Self> {
-        let shapes = units.iter().flat_map(|unit| &unit.nodes);
-        if shapes
-            .map(|node| (node.height, node.width))
-            .any(wide::is_wide)
-        {
-            scratch::prepare(stage)?;
-        }
+        prepare(&units, stage)?;
         let spare = analysis.0.spare.lock();
         let left = spare.ok().and_then(|mut spare| spare.take());
         let numbers = match left {
@@ -183,6 +177,8 @@ impl Cholesky {
     pub fn factorize(&mut self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<()> {
         self.is_factorized = false;
         let Self { units, numbers, .. } = self;
+        // These threads may be others than those of the analysis.
+        prepare(units, stage)?;
         self.is_factorized = factor::factorize(units, numbers, lower.data(), stage)?;
         for enlargement in ENLARGEMENTS {
             if self.is_factorized {
@@ -214,5 +210,15 @@ impl Cholesky {
                 _ => solve::solve::<4>(&self.units, &mut self.numbers, block),
             }
         }
+    }
+}
+
+/// Has every thread have what the fronts of these units take.
+fn prepare(units: &[Unit], stage: Stage) -> Result<()> {
+    let nodes = units.iter().flat_map(|unit| &unit.nodes);
+    let mut shapes = nodes.map(|node| (node.height, node.width));
+    match shapes.any(wide::is_wide) {
+        true => scratch::prepare(stage),
+        false => Ok(()),
     }
 }
