@@ -178,10 +178,21 @@ def larger_polygons(mesh: bpy.types.Mesh) -> int:
 
 def loose(mesh: bpy.types.Mesh) -> tuple[int, int]:
     """How many edges are in no face, and how many vertices in no edge."""
-    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
-    mesh.edges.foreach_get("vertices", edges)
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("edge_index", corners)
     used = np.zeros(len(mesh.vertices), dtype=bool)
-    used[edges] = True
-    return len(mesh.edges) - len(np.unique(corners)), int((~used).sum())
+    used[_edges(mesh)] = True
+    return len(loose_edges(mesh)), int((~used).sum())
+
+
+def loose_edges(mesh: bpy.types.Mesh) -> np.ndarray:
+    """The vertices of edges in no face, (E, 2)."""
+    used = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("edge_index", used)
+    is_loose = np.ones(len(mesh.edges), dtype=bool)
+    is_loose[used] = False
+    return _edges(mesh)[is_loose].astype(np.int64)
+
+
+def _edges(mesh: bpy.types.Mesh) -> np.ndarray:
+    ends = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    return ends.reshape(-1, 2)

@@ -12,6 +12,7 @@ from ..files.ply import AXES
 from ..files.ply_table import Table
 from ..scene.coordinates import coordinates
 from ..scene.notes import note
+from .contents import loose_edges
 from .digits import Digits, are_coarse, are_nowhere, decimals_of, fine_decimals
 
 NORMALS = ("nx", "ny", "nz")
@@ -139,23 +140,12 @@ def _together(is_wanted: Callable[[bpy.types.DepsgraphObjectInstance], bool]) ->
         normals.append(_normals(mesh, corner, matrix))
         corners.append(corner.astype(np.int64) + count)
         sizes.append(size)
-        edges.append(_loose_edges(mesh) + count)
+        edges.append(loose_edges(mesh) + count)
         count += len(own)
     if not points:
         return None
     joined = (np.concatenate(each) for each in (points, corners, sizes, edges, normals))
     return _Seen(*joined, np.zeros(0, dtype=np.int64))
-
-
-def _loose_edges(mesh: bpy.types.Mesh) -> np.ndarray:
-    """The vertices of edges in no face, (E, 2)."""
-    ends = np.empty(2 * len(mesh.edges), dtype=np.int32)
-    mesh.edges.foreach_get("vertices", ends)
-    used = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("edge_index", used)
-    is_loose = np.ones(len(mesh.edges), dtype=bool)
-    is_loose[used] = False
-    return ends.reshape(-1, 2)[is_loose].astype(np.int64)
 
 
 def _normals(mesh: bpy.types.Mesh, corners: np.ndarray, matrix: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..scene.animation import curves_of
-from ..scene.coordinates import coordinates
+from ..scene.coordinates import seen_coordinates
 from ..scene.notes import listed, note
 from ..scene.shape_keys import SLIDER_RANGE
 from .contents import armatures
@@ -110,7 +110,7 @@ def _shape(obj: bpy.types.Object, kept: Kept, has_modifiers: bool) -> Shape | No
     if keys is None or not keys.use_relative:
         return None
     graph = bpy.context.evaluated_depsgraph_get()
-    seen = _seen(obj)
+    seen = seen_coordinates(obj)
     values = _values(obj, graph)
     wanted = [key.name for key in keys.key_blocks[1:] if kept(obj, key)]
     _tell(obj, wanted)
@@ -166,11 +166,11 @@ def _moves(
             key.slider_min, key.slider_max = SLIDER_RANGE
             key.mute = False
             key.value = 0.0 if key.name in wanted else values[key.name]
-        base = _seen(probe)
+        base = seen_coordinates(probe)
         moves = {}
         for name in wanted:
             keys.key_blocks[name].value = 1.0
-            moved = _seen(probe)
+            moved = seen_coordinates(probe)
             moves[name] = moved - base if moved.shape == base.shape else moved
             keys.key_blocks[name].value = 0.0
     finally:
@@ -178,13 +178,6 @@ def _moves(
         bpy.data.objects.remove(probe)
         bpy.data.meshes.remove(mesh)
     return base, moves
-
-
-def _seen(obj: bpy.types.Object) -> np.ndarray:
-    """Where the vertices of an object are seen, in object space, (V, 3)."""
-    bpy.context.view_layer.update()
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return coordinates(evaluated.data.vertices).reshape(-1, 3).astype(np.float64)
 
 
 def _write(mesh: bpy.types.Mesh, shape: Shape) -> None:

@@ -6,7 +6,8 @@ from bpy.props import StringProperty
 from ..decomposition.bands import follow_topology, names_of_bands
 from ..deformation import results as deformed
 from ..scene import results
-from ..scene.applying import apply_modifier, farthest, seen
+from ..scene.applying import apply_modifier, farthest
+from ..scene.coordinates import seen_coordinates
 from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
 
@@ -38,7 +39,7 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.active_object
         enabled = [each.name for each in obj.modifiers if each.show_viewport]
-        before = seen(obj)
+        before = seen_coordinates(obj)
         known = [results.known(obj, written) for written in results.THINGS]
         bands, deformations = names_of_bands(obj), deformed.known_names(obj)
         applied = []
@@ -56,7 +57,7 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
         deformed.renew(obj, deformations)
         follow_topology(obj, bands)
         self.report({"INFO"}, f"{obj.name}: applied {', '.join(map(repr, applied))}")
-        moved = farthest(before, seen(obj))
+        moved = farthest(before, seen_coordinates(obj))
         if moved > VISIBLE * obj.dimensions.length:
             notes.append(
                 f"what is seen has changed, by up to {moved:.2g}: modifiers were applied to each "

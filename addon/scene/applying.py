@@ -47,13 +47,6 @@ def apply_modifier(obj: bpy.types.Object, name: str) -> None:
     obj.modifiers.remove(modifier)
 
 
-def seen(obj: bpy.types.Object) -> np.ndarray:
-    """Where the vertices of an object are seen, its keys and modifiers applied, (V, 3)."""
-    bpy.context.view_layer.update()
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return coordinates(evaluated.data.vertices).reshape(-1, 3)
-
-
 def farthest(before: np.ndarray, after: np.ndarray) -> float:
     """How far a vertex moved; 0 where they are not the same vertices."""
     if before.shape != after.shape or not len(before):

@@ -11,6 +11,15 @@ def coordinates(data: bpy.types.bpy_prop_collection) -> np.ndarray:
     return flat
 
 
+def seen_coordinates(obj: bpy.types.Object) -> np.ndarray:
+    """Where the vertices of an object are seen, its keys and modifiers applied, in object space,
+    (V, 3).
+    """
+    bpy.context.view_layer.update()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return coordinates(evaluated.data.vertices).reshape(-1, 3).astype(np.float64)
+
+
 def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
     """Positions of the Basis shape key, or of the mesh where it has none, (V, 3)."""
     keys = mesh.shape_keys
