@@ -97,6 +97,9 @@ def _from_linear(values: np.ndarray, space: str) -> np.ndarray:
     with _image(values, space) as image, tempfile.TemporaryDirectory() as folder:
         image.pack()  # it becomes an image of the format OpenEXR
         image.use_half_precision = False
+        # Blender 5.2 takes new pixels for values of its space; those of a file are scene-linear.
+        image.buffers_free()
+        _fill(image, values)
         path = Path(folder) / "linear.exr"
         image.save(filepath=str(path))
         written = bpy.data.images.load(str(path))
@@ -121,12 +124,16 @@ def _image(values: np.ndarray, space: str) -> Iterator[bpy.types.Image]:
     try:
         image.colorspace_settings.name = space
         image.alpha_mode = "CHANNEL_PACKED"
-        stored = np.ones((height, width, 4), dtype=np.float32)
-        stored[..., :3] = values
-        image.pixels.foreach_set(stored.ravel())
+        _fill(image, values)
         yield image
     finally:
         bpy.data.images.remove(image)
+
+
+def _fill(image: bpy.types.Image, values: np.ndarray) -> None:
+    stored = np.ones((*values.shape[:2], 4), dtype=np.float32)
+    stored[..., :3] = values
+    image.pixels.foreach_set(stored.ravel())
 
 
 def _pixels(image: bpy.types.Image) -> np.ndarray:
