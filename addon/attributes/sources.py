@@ -7,6 +7,7 @@ import numpy as np
 
 from ..scene.contents import TYPES, attribute_values
 from ..scene.mix import key_displacement
+from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.weights import weights_of
 
@@ -102,6 +103,8 @@ def _key(obj: bpy.types.Object, name: str) -> np.ndarray:
         raise Refusal(f"there is no shape key {name!r}")
     if key == keys.reference_key:
         raise Refusal(f"{name!r} is the shape that others are measured from; choose another key")
+    if key.vertex_group:
+        note(f"{name!r} is limited to {key.vertex_group!r}; what comes of it is not")
     return key_displacement(key)
 
 

@@ -1,6 +1,7 @@
 """The command line: ``blender --command spectral_tv VERB INPUT -o OUTPUT``."""
 
 import argparse
+from typing import NoReturn
 
 import bpy
 
@@ -24,8 +25,16 @@ def run(arguments: list[str]) -> int:
             return signals.code()
 
 
+class _Parser(argparse.ArgumentParser):
+    """One that says in a line what is wrong."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say it, and where more is said, and end with 2."""
+        self.exit(2, f"{self.prog}: error: {message} (--help tells all arguments)\n")
+
+
 def _run(arguments: list[str]) -> int:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog=f"blender --command {NAME}",
         description="Filter the detail of meshes or pictures, or move parts of meshes.",
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..files.names import file_keys
+from ..scene.objects import Refusal
 from .formats import exportable, importable
 
 EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"
@@ -130,6 +131,14 @@ def is_folder(path: Path) -> bool:
         return path.is_dir()
     except (OSError, ValueError):  # a name that is too long
         return False
+
+
+def ensure_file(path: Path) -> None:
+    """Raise Refusal if there is no file to read."""
+    if is_folder(path):
+        raise Refusal(f"it is a folder; name the files in it, such as {path / '*'}")
+    if not path.is_file():
+        raise Refusal("there is no such file")
 
 
 def whole(least: int, most: int) -> Callable[[str], int]:

@@ -62,15 +62,15 @@ def unhooked(modifiers: Iterable[bpy.types.Modifier]) -> Iterator[None]:
 
 @contextmanager
 def off(modifiers: Collection[bpy.types.Modifier]) -> Iterator[None]:
-    """Have modifiers be off that are on."""
-    on = [modifier for modifier in modifiers if modifier.show_viewport]
+    """Have modifiers be off that are on, in renders too."""
+    before = [(item, item.show_viewport, item.show_render) for item in modifiers]
     try:
-        for modifier in on:
-            modifier.show_viewport = False
+        for item, *_ in before:
+            item.show_viewport = item.show_render = False
         yield
     finally:
-        for modifier in on:
-            modifier.show_viewport = True
+        for item, in_viewport, in_render in before:
+            item.show_viewport, item.show_render = in_viewport, in_render
 
 
 def _actions(

@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -20,16 +20,16 @@ from ..decomposition.settings import (
     Settings,
 )
 from ..decomposition.shapes import groups
+from ..filters.filtering import KEEPS_ALL
 from ..filters.gains import curve_values
 from ..scene import applied
 from ..scene.notes import note
 from ..scene.shape_keys import SLIDER_RANGE
 from .arguments import number, percent, whole
-from .formats import HOLDS, NO
+from .formats import BLEND, FORMATS
 from .frames import all_or_frames, frames_of, treat_frames
-from .load import Source, freeze
+from .load import freeze
 from .progress import progress
-from .save import save
 from .verb import Job, Task, Verb
 
 # A key's value is the gain less one.
@@ -172,6 +172,27 @@ All other formats hold the filtered shape."""
             return "--base-amount goes with the smoothed base, --base flow"
         return complaint_of_gains(choices, asked.band_count, asked.least_steps)
 
+    def not_in_force(self, choices: argparse.Namespace) -> set[str]:
+        """The settings that are of no account beside others; 0 is what suits the method."""
+        asked = settings(choices)
+        left = {name for name in ("accuracy", "finest", "largest") if not getattr(choices, name)}
+        if choices.method != "lb":
+            left.add("eigenpairs")
+        if asked.is_adaptive or choices.method == "displacement":
+            left.add("steps")
+        if choices.method == "displacement":
+            left.add("bands")
+        return left
+
+    def settings_of(self, choices: argparse.Namespace) -> dict[str, Any]:
+        """The settings that were chosen, or are defaults, and count."""
+        found, asked = super().settings_of(choices), settings(choices)
+        if asked.method in WITH_BASE:
+            found["base"] = choices.base or "flow"
+        if asked.method == "M3":
+            found["metric"] = asked.metric.lower()
+        return found
+
     def treat_all(
         self, objects: list[bpy.types.Object], choices: argparse.Namespace, job: Job
     ) -> None:
@@ -186,24 +207,6 @@ All other formats hold the filtered shape."""
             self.treat_groups(copies, choices, job, f", frame {frame}")
 
         treat_frames(objects, frames, treat)
-
-    def write(
-        self,
-        file: Path,
-        only: Sequence[bpy.types.Object] | None,
-        choices: argparse.Namespace,
-        read: Source,
-    ) -> str | list[str]:
-        """Write the file, or one for each frame."""
-        if choices.frames is None or HOLDS[file.suffix.lower()]["animation"] != NO:
-            return super().write(file, only, choices, read)
-        written = []
-        for frame in frames_of(choices.frames, read):
-            bpy.context.scene.frame_set(frame)
-            path = file.with_stem(f"{file.stem}_{frame:04d}")
-            save(path.absolute(), only, read)
-            written.append(str(path))
-        return written
 
     def groups(
         self, objects: list[bpy.types.Object], choices: argparse.Namespace
@@ -226,12 +229,24 @@ All other formats hold the filtered shape."""
         if asked.shape == "APPLIED":
             for obj in objects:
                 applied.apply(obj)
+        values = band_values(choices, asked.band_count)
+        is_filtered = bool(choices.gains) or choices.curve is not None
+        if not any(values) and (is_filtered or not _holds_bands(task)):
+            note(KEEPS_ALL)
         surfaces, arguments = prepare_together(objects, asked)
         with progress(task.label) as show:
             split = spectral_tv.decompose(surfaces[0].mesh, **arguments, progress=show)
         for obj, surface in zip(objects, surfaces, strict=True):
             add_bands(obj, asked, surface, arguments, split)
-            set_values(obj, band_values(choices, asked.band_count))
+            set_values(obj, values)
+
+
+def _holds_bands(task: Task) -> bool:
+    """Whether bands can still be dialled in what is written."""
+    if task.file is None:
+        return False
+    suffix = task.file.suffix.lower()
+    return suffix == BLEND or FORMATS[suffix].keys
 
 
 def add_gains(parser: argparse.ArgumentParser) -> None:

@@ -13,12 +13,14 @@ from ..deformation.constraints import ALGORITHMS, deformation_of
 from ..deformation.deform import message, prepare, write
 from ..deformation.empties import add_empty
 from ..scene.animation import travel
-from ..scene.notes import note
-from ..scene.objects import Refusal
+from ..scene.notes import listed, note
+from ..scene.objects import Refusal, refusal
+from ..scene.surface import Reading
+from ..scene.touching import touching
 from .arguments import percent
-from .formats import BLEND, HOLDS, NO
-from .frames import frames_argument
-from .places import group_of
+from .formats import BLEND
+from .frames import frames_argument, plays
+from .places import Region, group_of
 from .progress import progress, say
 from .verb import Task, Verb
 
@@ -38,8 +40,8 @@ hold constraints in the file are deformed by them.
 
 A .blend keeps the deformation as a shape key, the parts as vertex groups and constraints, and an
 empty per --move to drag on; .glb, .gltf and .fbx carry the shape key too. All other formats hold
-the deformed shape. With --frames .abc and USD files play it, others have that of the current
-frame."""
+the deformed shape. With --frames .abc and USD files play it; of the others there is a file for
+each frame."""
     examples = """\
   blender --command spectral_tv deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
   blender --command spectral_tv deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10
@@ -86,7 +88,8 @@ frame."""
             type=frames_argument,
             help="a shape key for each of these frames and the last one, played in turn as the "
             "handles move; those of --move go their way from the first to the last. With = where "
-            "the first is negative: --frames=-10-40",
+            "the first is negative: --frames=-10-40. Of a format that cannot play there is a file "
+            "for each",
         )
 
     def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
@@ -108,16 +111,28 @@ frame."""
             raise Refusal("no object in it has constraints; give some with --pin and --move")
         return held
 
+    def groups(
+        self, objects: list[bpy.types.Object], choices: argparse.Namespace
+    ) -> list[list[bpy.types.Object]]:
+        """Each object by itself; notes what that does to those that belong together."""
+        named = [*choices.pins, *(where for where, _ in choices.moves)]
+        regions = [region.name for where in named if (region := Region.read(where))]
+        if len(objects) > 1 and regions:
+            names = listed(obj.name for obj in objects)
+            note(f"{listed(regions)}: percent are of each object by itself, {names}")
+        _tell_touching(objects, choices)
+        return super().groups(objects, choices)
+
     def treat(
         self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
     ) -> None:
         """Give an object the shape keys of its deformation."""
         (obj,) = objects
         if choices.moves and not _parts(obj, [where for where, _ in choices.moves], choices):
-            note(f"{obj.name} was left as it is: it has none of the groups to move")
+            note("it was left as it is: it has none of the groups to move")
             return
         if obj.data.users > 1:
-            note(f"{obj.data.users} objects share the mesh of {obj.name}: all are deformed alike")
+            note(f"{obj.data.users} objects share its mesh: all are deformed alike")
         deformation = deformation_of(obj)
         if choices.algorithm is not None:
             deformation.algorithm = choices.algorithm.upper()
@@ -126,12 +141,8 @@ frame."""
         empties = _constrain(obj, choices) if choices.moves else []
         done = _deform(obj, task) if choices.frames is None else _bake(obj, choices.frames, task)
         say(f"{task.label}: {done}")
-        suffix = None if task.file is None else task.file.suffix.lower()
-        if suffix != BLEND:
+        if task.file is None or task.file.suffix.lower() != BLEND:
             bpy.data.batch_remove(empties)
-        if choices.frames is not None and suffix is not None and HOLDS[suffix]["animation"] == NO:
-            frame = bpy.context.scene.frame_current
-            note(f"{suffix} holds no animation of shapes: it has that of frame {frame}")
 
 
 def _constrain(obj: bpy.types.Object, choices: argparse.Namespace) -> list[bpy.types.Object]:
@@ -156,6 +167,25 @@ def _constrain(obj: bpy.types.Object, choices: argparse.Namespace) -> list[bpy.t
     return empties
 
 
+def _tell_touching(objects: Sequence[bpy.types.Object], choices: argparse.Namespace) -> None:
+    """Note which objects tear as they, or others in the file, are deformed apart."""
+    others = [] if choices.objects else bpy.context.view_layer.objects
+    meshes = [obj for obj in others if obj.type == "MESH" and len(obj.data.polygons)]
+    all_of_them = list(dict.fromkeys([*objects, *meshes]))
+    sound = [obj for obj in all_of_them if refusal(obj) is None]
+    try:
+        found = touching(sound, [None] * len(sound), Reading.of_scene())
+    except (Refusal, spectral_tv.MeshError):  # told when that object is deformed
+        return
+    for group in found:
+        names = [sound[index].name for index in group]
+        if len(group) > 1 and any(sound[index] in objects for index in group):
+            note(
+                f"open edges of {listed(names)} meet, but each object is deformed by itself, so "
+                "the surface may tear there: join them into one object before"
+            )
+
+
 def _parts(obj: bpy.types.Object, named: list[str], choices: argparse.Namespace) -> list[str]:
     """Those of several parts that ``obj`` has; notes a group that only another object has.
 
@@ -170,7 +200,7 @@ def _parts(obj: bpy.types.Object, named: list[str], choices: argparse.Namespace)
             is_elsewhere = any(where.strip() in each.vertex_groups for each in others)
             if choices.objects or not is_elsewhere:
                 raise
-            note(f"{obj.name} has no vertex group {where.strip()!r}")
+            note(f"it has no vertex group {where.strip()!r}")
         else:
             found.append(where)
     return found
@@ -189,7 +219,8 @@ def _bake(obj: bpy.types.Object, frames: list[int], task: Task) -> str:
     scene = bpy.context.scene  # exporters keep to its frames
     scene.frame_start = min(scene.frame_start, frames[0])
     scene.frame_end = max(scene.frame_end, frames[-1])
-    if scene.frame_start > frames[0]:  # Blender has no such start
+    is_played = task.file is None or plays(task.file)
+    if scene.frame_start > frames[0] and is_played:  # Blender has no such start
         note(f"the scene starts at frame {scene.frame_start}: no export goes back to {frames[0]}")
     deformable, targets, deformer = baking.prepare(obj, frames, lambda _fraction: None)
     with progress(task.label) as show:

@@ -16,3 +16,12 @@ def reason(error: Exception) -> str:
         told = [PYTHONS.sub("", told[-1])]
     text = "; ".join(line.removeprefix("Error: ") for line in told)
     return TEMPORARY.sub("", text) or type(error).__name__
+
+
+# What the sidebar calls Join Within.
+JOIN = re.compile(r"set Join Within to (\S+) %")
+
+
+def in_options(text: str) -> str:
+    """A message with the option of the command line instead of the property in the sidebar."""
+    return JOIN.sub(r"pass --weld \1", text).replace("raise Join Within", "raise --weld")

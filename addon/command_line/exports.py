@@ -9,17 +9,22 @@ from typing import Any
 
 import bpy
 
+from ..files import stl
 from ..files.checks import check
 from ..files.checks.torn import require
 from ..files.room import with_room
 from ..scene.animation import curves_of
 from ..scene.objects import Refusal
-from . import digits
+from . import finish_obj, finish_ply
 from .contents import armatures, is_animated
 from .copies import dressed
+from .digits import Digits, decimals_of
 from .dress import dress_of
 from .formats import FORMATS, call
+from .given import write_stl
 from .load import Source
+from .metres import in_metres
+from .moving_curves import moving_alone
 from .shown import Kept, shown
 from .textures import beside, folder_name
 
@@ -96,16 +101,17 @@ def _export_gltf(place: Path, export: Export) -> None:
         export.options["export_animation_mode"] = "ACTIVE_ACTIONS"  # they are played together
     if export.suffix == ".gltf":
         export.options["export_texture_dir"] = folder_name(place)
-    with _shown(export, export.meshes):
+    with _shown(export, export.meshes), in_metres(export.suffix):
         export.call(place)
 
 
 def _export_fbx(place: Path, export: Export) -> None:
+    export.options["bake_anim"] = _moves()
     if not _has_takes():
         # One take of all that moves: takes of single actions begin at 0, without shape keys.
         export.options["bake_anim_use_nla_strips"] = False
         export.options["bake_anim_use_all_actions"] = False
-    with _shown(export, export.meshes):
+    with _shown(export, export.meshes), moving_alone():
         export.call(place)
 
 
@@ -142,7 +148,7 @@ def _export_obj(place: Path, export: Export) -> None:
     first = place.parent.with_suffix(".obj")
     with export.dressed(), _beside(place, export):
         export.call(first)
-        digits.finish_obj(first, place, export.source.digits, export.meshes)
+        finish_obj.finish(first, place, export.source.digits, export.meshes)
     materials = first.with_suffix(".mtl")
     if materials.exists():
         _ensure_materials(place, materials)
@@ -161,16 +167,16 @@ def _ensure_materials(place: Path, materials: Path) -> None:
 
 
 def _export_ply(place: Path, export: Export) -> None:
-    source = export.source
-    export.options["export_normals"] = source.has_normals or any(
+    source, look = export.source, export.source.ply
+    export.options["export_normals"] = (look is not None and look.has_normals) or any(
         obj.data.has_custom_normals for obj in export.meshes
     )
-    comments = source.comments if source.suffix == ".ply" else ()
     export.options["ascii_format"] = is_text(".ply", source)
-    with export.dressed():
+    # Blender 5.2 writes what will be rendered, so modifiers are applied before.
+    with shown(export.meshes, lambda _obj, _key: False, None, dress_of(".ply")):
         export.call(place)
-    check(place)
-    digits.finish_ply(place, source.digits, comments)
+        check(place)
+        finish_ply.finish(place, source.digits, look, len(export.meshes) == 1)
 
 
 def _export_stl(place: Path, export: Export) -> None:
@@ -179,7 +185,15 @@ def _export_stl(place: Path, export: Export) -> None:
     export.call(place)
     check(place)
     if source.digits.is_moved and export.options["ascii_format"]:
-        digits.finish_stl(place, source.digits)
+        _move_stl(place, source.digits)
+
+
+def _move_stl(place: Path, digits: Digits) -> None:
+    """Write an STL file of text anew, relative to 0."""
+    points = stl.points(place)
+    target = place.with_stem(f"{place.stem}_moved")
+    write_stl(place, target, (points + digits.offset).round(decimals_of(points)))
+    os.replace(target, place)
 
 
 def _export_usd(place: Path, export: Export) -> None:
@@ -202,7 +216,8 @@ def _export_usd(place: Path, export: Export) -> None:
     first = place if is_archive else place.parent.with_suffix(export.suffix)
     export.options["export_textures_mode"] = "NEW" if is_archive else "KEEP"
     textures = nullcontext() if is_archive else _beside(place, export)
-    with _parented(export), _shown(export, laid_out, is_kept), textures, _frames_that_move():
+    laid = _shown(export, laid_out, is_kept)
+    with _parented(export), laid, textures, _frames_that_move(), in_metres(export.suffix):
         export.call(first)
     if first != place:
         os.replace(first, place)

@@ -135,9 +135,18 @@ _USD = Format(
 )
 FORMATS = {
     ".ply": Format(
-        ("wm.ply_import",), ("wm.ply_export",), "export_selected_objects", attributes=("POINT",)
+        ("wm.ply_import",),
+        ("wm.ply_export",),
+        "export_selected_objects",
+        attributes=("POINT",),
+        by_selection=True,  # Blender 5.2 writes what will be rendered
     ),
-    ".stl": Format(("wm.stl_import",), ("wm.stl_export",), "export_selected_objects"),
+    ".stl": Format(
+        ("wm.stl_import",),
+        ("wm.stl_export",),
+        "export_selected_objects",
+        {"evaluation_mode": "DAG_EVAL_VIEWPORT"},
+    ),
     ".obj": Format(
         ("wm.obj_import",),
         ("wm.obj_export",),
@@ -220,6 +229,11 @@ def call(name: str, **options: Any) -> bool:
     return operator(**{key: value for key, value in options.items() if key in known}) == {
         "FINISHED"
     }
+
+
+def has_option(name: str, option: str) -> bool:
+    """Whether an operator of this Blender takes an option."""
+    return option in _operator(name).get_rna_type().properties
 
 
 def _operator(name: str) -> Any:

@@ -4,6 +4,7 @@ import argparse
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -16,6 +17,7 @@ from ..scene.frames import kept, visited
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import add_displacements
+from .formats import HOLDS, NO
 from .load import Source
 
 FRAMES = re.compile(r"(-?\d{1,6})-(-?\d{1,6})(?::(\d{1,6}))?")
@@ -49,6 +51,11 @@ def frames_of(asked: list[int] | str, source: Source) -> Sequence[int]:
         raise Refusal("nothing in it moves, so there are no frames")
     scene = bpy.context.scene
     return range(scene.frame_start, scene.frame_end + 1)
+
+
+def plays(file: Path) -> bool:
+    """Whether a file of its format can hold several frames."""
+    return HOLDS[file.suffix.lower()]["animation"] != NO
 
 
 def treat_frames(

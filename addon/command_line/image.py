@@ -14,11 +14,11 @@ from ..images.formats import BY_SUFFIX, DEPTHS, FORMATS
 from ..images.properties import METRICS
 from ..images.reading import read_picture
 from ..images.saving import save_picture
-from ..scene.objects import Refusal
 from .arguments import (
     EXIT_CODES,
     add_report,
     complaint_of_clashes,
+    ensure_file,
     is_folder,
     positive,
     target_path,
@@ -27,7 +27,7 @@ from .arguments import (
 from .decompose import add_gains, band_values, complaint_of_gains
 from .progress import progress, say
 from .report import Entry
-from .verb import Command, settings_of
+from .verb import Command
 from .writing import written_by_blender
 
 # Formats and their depths, for the help.
@@ -143,10 +143,13 @@ the color space of the input, as far as its format has them; only .exr gets scen
         reason = _complaint_of_targets(choices) or _complaint_of_space(choices)
         return reason or complaint_of_gains(choices, choices.bands, choices.steps)
 
+    def not_in_force(self, choices: argparse.Namespace) -> set[str]:
+        """The settings that are of no account beside others."""
+        return set() if choices.metric == "surface" else {"height"}
+
     def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
         target = _target(choices, source)
-        if not source.is_file():
-            raise Refusal("there is no such file")
+        ensure_file(source)
         ensure_writable(target.absolute())
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         picture = read_picture(source, choices.colorspace)
@@ -156,7 +159,7 @@ the color space of the input, as far as its format has them; only .exr gets scen
         with progress(str(source)) as show:
             flow = prepared.request.run(show)
         result = replace(picture, pixels=filtered(prepared, choice, flow))
-        entry.done = {"verb": self.name, "settings": settings_of(choices)}
+        entry.done = {"verb": self.name, "settings": self.settings_of(choices)}
         # A disk that gets full would end the process when Blender reads what it has written.
         most = REST + PIXEL * picture.pixels.stored[..., 0].size
         with written_by_blender(target) as path, with_room(path, most) as place:

@@ -1,14 +1,10 @@
 """Reading files by their suffix, with whatever operators this Blender has."""
 
 import os
-import shutil
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from types import ModuleType
 from typing import Any
 
 import bpy
@@ -16,16 +12,18 @@ import numpy as np
 
 from ..files import ply
 from ..files.checks import Torn, check
-from ..files.checks.torn import last
 from ..scene.animation import curves_of
 from ..scene.coordinates import coordinates
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
-from . import digits
+from . import given as files
+from .arguments import ensure_file
 from .contents import Thing, has_moving_shape, images, survey
-from .digits import Digits
+from .digits import Digits, are_coarse
+from .finish_ply import Exact, Look
 from .formats import BLEND, FORMATS, call, importable
+from .gltf_reading import read_right
 from .units import units_of
 
 # Blender cuts longer paths off; bytes.
@@ -43,7 +41,7 @@ class Source:
 
     ``keys`` are the names of the shape keys that objects came with; ``frames`` those over which
     vertices move by themselves. ``units`` are for the user to read, and ``options`` those of the
-    exporter that give the same units and axes. ``comments`` and ``has_normals`` are a PLY file's.
+    exporter that give the same units and axes. ``ply`` is what a PLY file was like.
     """
 
     path: Path
@@ -53,8 +51,7 @@ class Source:
     frames: range | None = None
     units: Mapping[str, Any] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
-    comments: tuple[bytes, ...] = ()
-    has_normals: bool = False
+    ply: Look | None = None
 
     @property
     def suffix(self) -> str:
@@ -69,18 +66,20 @@ def load(path: Path) -> Source:
     """
     suffix = path.suffix.lower()
     _ensure_readable(path, suffix)
-    read = digits.of_file(path)
+    given = files.read(path)
+    read = given.digits
     if suffix == BLEND:
         read = _open(path)
     else:
         # The preferences, and with them this extension, stay.
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-        with _mended(path, read) as place:
+        with given.mended() as place:
             _import(place, suffix)
+        given.compare(list(bpy.context.view_layer.objects))
     objects = list(bpy.context.view_layer.objects)
+    _tell_coarse(objects)
     _tell_missing(objects)
     units, options = units_of(path)
-    comments, has_normals = _of_ply(path) if suffix == ".ply" else ((), False)
     return Source(
         path,
         read,
@@ -89,8 +88,7 @@ def load(path: Path) -> Source:
         _frames(objects),
         units,
         options,
-        comments,
-        has_normals,
+        _of_ply(path, _exact(given, objects)) if suffix == ".ply" else None,
     )
 
 
@@ -136,7 +134,7 @@ def _open(path: Path) -> Digits:
 
 def _import(path: Path, suffix: str) -> None:
     form = FORMATS[suffix]
-    with _attributes_in_order() if suffix in (".glb", ".gltf") else nullcontext():
+    with read_right() if suffix in (".glb", ".gltf") else nullcontext():
         if not call(form.importer, filepath=str(path), **form.reading):
             raise Refusal("Blender cannot import it")
     actions = [action.frame_range for action in bpy.data.actions]
@@ -158,8 +156,7 @@ def _import(path: Path, suffix: str) -> None:
 
 def _ensure_readable(path: Path, suffix: str) -> None:
     """Raise Refusal if there is no file that this Blender can read."""
-    if not path.is_file():
-        raise Refusal("there is no such file")
+    ensure_file(path)
     if suffix not in importable():
         raise Refusal(f"this Blender reads no {suffix or 'files without suffix'}")
     if path.stat().st_size == 0:
@@ -173,43 +170,24 @@ def _ensure_readable(path: Path, suffix: str) -> None:
             raise Refusal(f"the file is not whole: {error}") from error
 
 
-@contextmanager
-def _mended(path: Path, read: Digits) -> Iterator[Path]:
-    """Yield a path to a file that Blender reads right: another one where it would not."""
-    spare = _spare(path) if path.suffix.lower() == ".stl" else 0
-    if not read.is_moved and not spare:
-        yield path
-        return
-    with TemporaryDirectory(prefix="spectral_tv_") as folder:
-        place = Path(folder).resolve() / path.name  # it names objects
-        if spare:
-            note(f"{spare} bytes after its last triangle were passed over")
-            with path.open("rb") as file, place.open("wb") as copy:
-                shutil.copyfileobj(file, copy)
-                copy.truncate(path.stat().st_size - spare)
-        else:
-            point = read.told(path.suffix.lower())
-            note(f"its coordinates are far from 0, so it was worked on relative to {point}")
-            digits.centred(path, read, place)
-        yield place
+def _tell_coarse(objects: list[bpy.types.Object]) -> None:
+    """Note which meshes are too far from 0 for floats to hold details of them."""
+    for mesh, obj in {obj.data: obj for obj in objects if obj.type == "MESH"}.items():
+        step = are_coarse(coordinates(mesh.vertices).reshape(-1, 3).astype(np.float64))
+        if step is not None:
+            note(
+                f"{obj.name} is so far from 0 that its coordinates are in steps of {step:.2g}, and "
+                "so is the result; move it near 0, or use a .ply or .obj"
+            )
 
 
-def _spare(path: Path) -> int:
-    """How many bytes there are after the last triangle of a binary STL file.
-
-    Raises Refusal if there are fewer than there should be.
-    """
-    size = path.stat().st_size
-    if digits.is_text_stl(path):
-        lines = last(path, 1000).splitlines() or [b""]
-        if not lines[-1].strip().startswith(b"endsolid"):
-            note("the file has no end: it may have been cut short")
-        return 0
-    with path.open("rb") as file:
-        triangles = int.from_bytes(file.read(84)[80:], "little")
-    if size < 84 + 50 * triangles or size < 84:
-        raise Refusal(f"the file is not whole: {size} bytes for {triangles} triangles")
-    return size - 84 - 50 * triangles
+def _exact(given: files.Given, objects: list[bpy.types.Object]) -> Exact | None:
+    """The vertices of a PLY file with all their digits, and as Blender holds them."""
+    meshes = [obj.data for obj in objects if obj.type == "MESH"]
+    if len(meshes) != 1 or given.points is None or len(meshes[0].vertices) != len(given.points):
+        return None
+    held = coordinates(meshes[0].vertices).reshape(-1, 3).astype(np.float64)
+    return Exact(given.points, held)
 
 
 def _tell_missing(objects: list[bpy.types.Object]) -> None:
@@ -235,8 +213,8 @@ def _frames(objects: list[bpy.types.Object]) -> range | None:
     return range(scene.frame_start, scene.frame_end + 1)
 
 
-def _of_ply(path: Path) -> tuple[tuple[bytes, ...], bool]:
-    """The comments of a PLY file, and whether vertices have normals; notes what is not read."""
+def _of_ply(path: Path, exact: Exact | None) -> Look:
+    """What a PLY file is like; notes what is not read."""
     header = ply.read_header(path)
     lost = [element.name for element in header.elements if element.name not in PLY_ELEMENTS]
     for element in header.elements:
@@ -249,37 +227,9 @@ def _of_ply(path: Path) -> tuple[tuple[bytes, ...], bool]:
     if lost:
         note(f"left out, as Blender does not read them: {listed(lost)}")
     vertex = header.element("vertex")
-    names = {item.name for item in vertex.properties} if vertex is not None else set()
+    names = frozenset(item.name for item in vertex.properties) if vertex is not None else ()
     comments = tuple(line for line in header.comments if not line.startswith(BLENDERS_COMMENT))
-    return comments, {"nx", "ny", "nz"} <= names
+    return Look(header.format, comments, frozenset(names), exact)
 
 
 BLENDERS_COMMENT = b"comment Created in Blender"
-
-
-class _Ordered(dict[str, None]):
-    """A set that keeps the order in which things were added to it."""
-
-    def __init__(self, items: Any = ()) -> None:
-        super().__init__(dict.fromkeys(items))
-
-    def update(self, items: Any) -> None:
-        super().update(dict.fromkeys(items))
-
-
-@contextmanager
-def _attributes_in_order() -> Iterator[None]:
-    """Have Blender's importer of glTF not mix up custom attributes.
-
-    It goes through a set of their names, in another order every time, and through a list of their
-    values at once.
-    """
-    module = ModuleType("absent")
-    for name in ("gltf2_blender_mesh", "mesh"):  # up to Blender 4.2, and since
-        with suppress(ImportError):
-            module = import_module(f"io_scene_gltf2.blender.imp.{name}")
-    vars(module)["set"] = _Ordered
-    try:
-        yield
-    finally:
-        del vars(module)["set"]

@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import bpy
 
@@ -15,6 +16,8 @@ from .exports import Export, is_text, write
 from .formats import BLEND, FORMATS, a, call
 from .load import LONGEST_PATH, OFFSET, Source
 from .losses import tell_losses
+from .metres import tell_units
+from .nowhere import left_out, tell_kept
 from .writing import written_by_blender
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -28,13 +31,15 @@ def save(path: Path, only: Sequence[bpy.types.Object] | None, source: Source) ->
     """
     suffix = path.suffix.lower()
     if suffix == BLEND:
+        tell_kept(bpy.context.view_layer.objects)
         with written_by_blender(path) as place:
             _write_blend(place, source)
         return
-    with _exported(only) as objects:
+    with _exported(only) as objects, left_out(objects, suffix):
         names = {obj.name for obj in objects}
         things = [thing for thing in source.things if thing.owner in names]
         tell_losses(things, suffix, source.suffix)
+        tell_units(suffix)
         read = source.digits
         if read.is_moved and not _holds_offset(suffix, source):
             note(f"{a(suffix)} stays relative to {read.told(source.suffix)}")
@@ -60,7 +65,33 @@ def _write_blend(place: Path, source: Source) -> None:
     _ensure_short(place)
     if source.digits.is_moved:
         bpy.context.scene[OFFSET] = source.digits.offset.tolist()
+    try:
+        _save(place)
+    except RuntimeError:
+        _ensure_room(place)
+        raise
+
+
+def _save(place: Path) -> None:
     call("wm.save_as_mainfile", filepath=str(place), check_existing=False, copy=True)
+
+
+def _ensure_room(place: Path) -> None:
+    """Raise the error of the disk that keeps a .blend from being written: Blender may tell others.
+
+    Where another disk holds the file, that is copied to the place.
+    """
+    with TemporaryDirectory(prefix="spectral_tv_") as folder:
+        other = Path(folder) / place.name
+        try:
+            _save(other)
+            content = other.read_bytes()
+        except (OSError, RuntimeError):
+            return
+    with place.open("wb") as file:
+        file.write(content)
+        os.fsync(file.fileno())
+    place.unlink()  # its relative paths are those of another folder
 
 
 def _ensure_short(place: Path) -> None:

@@ -2,7 +2,8 @@
 
 import argparse
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,12 @@ import bpy
 import spectral_tv
 
 from ..files.whole import ensure_writable
-from ..scene.notes import gathered, listed
+from ..scene.frames import kept, visited
+from ..scene.notes import gathered, listed, note
 from ..scene.objects import Refusal, refusal
 from . import errors, picture
 from .arguments import add_arguments, complaint, epilog, outputs
+from .frames import frames_of, plays
 from .load import Source, freeze, load
 from .progress import say
 from .report import DONE, Entry, Report
@@ -22,6 +25,8 @@ from .save import save
 from .signals import heed
 
 FAILED = 1
+# What is no setting of a verb.
+PLACES = ("inputs", "output", "format", "render", "report", "objects", "run", "parser")
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,19 @@ class Command:
         """Do it and say so in ``entry``; raises one of ERRORS."""
         raise NotImplementedError
 
+    def not_in_force(self, _choices: argparse.Namespace) -> set[str]:
+        """The settings that are of no account beside others."""
+        return set()
+
+    def settings_of(self, choices: argparse.Namespace) -> dict[str, Any]:
+        """The settings that were chosen, or are defaults, and count."""
+        left = {*PLACES, *self.not_in_force(choices)}
+        return {
+            name: value
+            for name, value in vars(choices).items()
+            if name not in left and value not in (None, "", [])
+        }
+
     def _run(self, choices: argparse.Namespace) -> int:
         """Treat every input, those that fail too, and return the exit code."""
         reason = self.complaint(choices)
@@ -71,7 +89,14 @@ class Command:
             report = Report(choices.report)
         except OSError as error:
             choices.parser.error(f"--report {choices.report}: {error.strerror}")
-        results = [self._try(choices, source, report) for source in choices.inputs]
+        results: list[bool] = []
+        try:
+            for source in choices.inputs:
+                results.append(self._try(choices, source, report))
+        except KeyboardInterrupt:
+            for source in choices.inputs[len(results) + 1 :]:
+                say(f"{source}: not begun")
+            raise
         if len(results) > 1:
             say(f"{sum(results)} of {len(results)} inputs succeeded")
         return 0 if all(results) else FAILED
@@ -88,11 +113,15 @@ class Command:
                 except ERRORS as error:
                     heed()
                     entry.error = errors.reason(error)
+            if hasattr(choices, "weld"):
+                entry.warnings[:] = map(errors.in_options, entry.warnings)
             told = entry.warnings if entry.error is None else [f"error: {entry.error}"]
             for text in told:
                 say(f"{source}: {text}")
         except KeyboardInterrupt:
-            entry.error = entry.error if entry.status == DONE else "interrupted"
+            if entry.status != DONE:
+                entry.error = "interrupted"
+                say(f"{source}: {entry.error}")
             raise
         finally:
             entry.seconds = round(time.perf_counter() - started, 3)
@@ -181,7 +210,7 @@ class Verb(Command):
             reason = refusal(obj)
             if reason is not None:
                 raise Refusal(f"{obj.name}: {reason}")
-        entry.done = {"verb": self.name, "settings": settings_of(choices), "objects": []}
+        entry.done = {"verb": self.name, "settings": self.settings_of(choices), "objects": []}
         self.treat_all(distinct, choices, Job(source, file, read, entry.done["objects"]))
         only = objects if choices.objects else None
         if file is not None:
@@ -204,12 +233,21 @@ class Verb(Command):
         self,
         file: Path,
         only: Sequence[bpy.types.Object] | None,
-        _choices: argparse.Namespace,
+        choices: argparse.Namespace,
         read: Source,
     ) -> str | list[str]:
-        """Write the file, and tell its name, or those of several that it became."""
-        save(file.absolute(), only, read)
-        return str(file)
+        """Write the file, or one for each frame if it cannot play them, and tell the names."""
+        if choices.frames is None or plays(file):
+            save(file.absolute(), only, read)
+            return str(file)
+        written = []
+        scene = bpy.context.scene
+        with kept(scene):
+            for frame in visited(scene, frames_of(choices.frames, read)):
+                path = file.with_stem(f"{file.stem}_{frame:04d}")
+                save(path.absolute(), only, read)
+                written.append(str(path))
+        return written
 
     def treat_groups(
         self,
@@ -219,11 +257,12 @@ class Verb(Command):
         label: str = "",
     ) -> None:
         """Treat objects, those of a group together."""
-        for group in self.groups(objects, choices):
+        groups = self.groups(objects, choices)
+        for group in groups:
             names = [obj.name for obj in group]
-            self._treat_group(
-                group, choices, Task(job.file, f"{job.source}: {listed(names)}{label}")
-            )
+            task = Task(job.file, f"{job.source}: {listed(names)}{label}")
+            with _about(names) if len(groups) > 1 else nullcontext():
+                self._treat_group(group, choices, task)
             if names not in job.done:
                 job.done.append(names)
 
@@ -236,21 +275,24 @@ class Verb(Command):
             raise Refusal(f"{objects[0].name}: {error}") from error
 
 
+@contextmanager
+def _about(names: Sequence[str]) -> Iterator[None]:
+    """Say in all notes meanwhile which of several objects they are about."""
+    found: list[str] = []
+    try:
+        with gathered() as found:
+            yield
+    finally:
+        for text in found:
+            note(f"{listed(names)}: {text}")
+
+
 def _named(names: list[str]) -> list[bpy.types.Object]:
     present = bpy.context.view_layer.objects
     for name in names:
         if name not in present:
             raise Refusal(f"there is no object {name!r} in it")
     return [present[name] for name in dict.fromkeys(names)]
-
-
-# What is no setting of a verb.
-PLACES = ("inputs", "output", "format", "render", "report", "objects", "run", "parser")
-
-
-def settings_of(choices: argparse.Namespace) -> dict[str, Any]:
-    """The settings of a verb that were chosen, or are its defaults."""
-    return {name: value for name, value in vars(choices).items() if name not in PLACES}
 
 
 def _told(read: Source) -> dict[str, Any]:

@@ -4,6 +4,7 @@ The values of bands are a filter over scales, constant within each. The new band
 each component counted once, as bands hold equal numbers of components.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -20,6 +21,8 @@ from ..scene.shape_keys import move_key, remove_key
 
 # Edges are kept in single precision.
 ROUNDING = 1e-6
+# By how much values of bands may differ untold.
+VISIBLE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,7 @@ def take_place(
     gone = [None if stays else key for key, stays in zip(old, kept, strict=True)]
     carrier = _Carrier(obj.data.shape_keys, old, new, names, overlap)
     carrier.carry()
+    carrier.tell_names(gone)
     active = list(_active_keys(obj, gone, new, overlap))
     place = min((blocks.find(key.name) for key in gone if key is not None), default=None)
     successors = {
@@ -137,6 +141,8 @@ class _Carrier:
     ) -> None:
         """Take the keys of old and new bands, and the names of these."""
         self.keys, self.old, self.new, self.parts = keys, old, new, overlap.parts
+        self.mixed: list[str] = []
+        self.successors = [overlap.successor(band) for band in range(len(old))]
         equals = [overlap.equal(band) for band in range(len(new))]
         self.names = [
             name if equal is None or old[equal] is None else old[equal].name
@@ -151,6 +157,17 @@ class _Carrier:
         for band in range(len(self.new)):
             self._carry_settings(band)
             self._carry_drivers(band)
+        if self.mixed:
+            note(f"the mean of other values, so that the shape is another: {', '.join(self.mixed)}")
+
+    def tell_names(self, gone: Sequence[bpy.types.ShapeKey | None]) -> None:
+        """Note which names that the user gave are gone."""
+        for number, key in enumerate(gone, start=1):
+            successor = self.successors[number - 1]
+            if key is None or key.name in self.names or successor is None:
+                continue
+            if not re.fullmatch(rf".* Band {number}(\.\d+)*", key.name):
+                note(f"{key.name!r} went into {self.names[successor]!r}")
 
     def _former(self, band: int) -> list[int]:
         """Old bands that a new one has parts of, the largest part first."""
@@ -174,8 +191,12 @@ class _Carrier:
         key.mute = all(each.mute for each in former)
         key.vertex_group = former[0].vertex_group
         key.lock_shape = former[0].lock_shape
-        same = [each.vertex_group == key.vertex_group for each in former]
-        self._tell(band, "vertex groups", order, same)
+        for what, name in (("vertex groups", "vertex_group"), ("locks", "lock_shape")):
+            same = [getattr(each, name) == getattr(key, name) for each in former]
+            self._tell(band, what, order, same)
+        heard = [self.old[old].value for old in self._heard(band)]
+        if max(heard) - min(heard) > VISIBLE:
+            self.mixed.append(f"{self.names[band]!r} ({value:.3g})")
         if not key.mute and any(each.mute for each in former):
             note(
                 f"{self.names[band]!r} is in the place of muted bands too, which count for nothing"

@@ -66,9 +66,11 @@ def write(
         displacements = (deformable.displacement(each) for each in solutions)
         keys = add_displacements(obj, names, displacements)
         play_in_turn(obj, keys, frames)
-    results.keep(former.kept)
+    renamed = former.renamed
+    results.keep([*former.kept, *renamed])
     for key in former.baked:
-        remove_key(obj, key)
+        if key not in renamed:
+            remove_key(obj, key)
     baked = deformation_of(obj).baked
     baked.clear()
     for key, name in zip(keys, names, strict=True):

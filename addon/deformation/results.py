@@ -24,18 +24,20 @@ NAME = "Deformation"
 class Known:
     """The key of the last deformation and those of the last baking, None for those that are gone.
 
-    ``kept`` are those that may be one of them, or hold the same, and are the user's now.
+    ``kept`` are those that may be one of them, or hold the same, and are the user's now. ``names``
+    are those that the keys were given.
     """
 
     found: list[bpy.types.ShapeKey | None]
     kept: list[bpy.types.ShapeKey]
+    names: list[str]
 
     @classmethod
     def of(cls, obj: bpy.types.Object) -> "Known":
         """Look at all keys of ``obj``."""
         deformation, keys = deformation_of(obj), obj.data.shape_keys
         if keys is None:
-            return cls([None], [])
+            return cls([None], [], [""])
         prints = _prints(obj)
         # Where vertices came or went, contents say nothing and names all.
         is_edited = deformation.vertex_count not in (0, len(obj.data.vertices))
@@ -50,7 +52,7 @@ class Known:
             if key is None:
                 kept += [keys.key_blocks[name] for name in candidates]
             found.append(key)
-        return cls(found, kept)
+        return cls(found, kept, [each.key for each in prints])
 
     @property
     def single(self) -> bpy.types.ShapeKey | None:
@@ -61,6 +63,12 @@ class Known:
     def baked(self) -> list[bpy.types.ShapeKey]:
         """The keys of the last baking that are there."""
         return [key for key in self.found[1:] if key is not None]
+
+    @property
+    def renamed(self) -> list[bpy.types.ShapeKey]:
+        """Those of them that have another name now."""
+        pairs = zip(self.found[1:], self.names[1:], strict=True)
+        return [key for key, name in pairs if key is not None and key.name != name]
 
 
 def result_key(obj: bpy.types.Object) -> bpy.types.ShapeKey | None:
@@ -110,7 +118,7 @@ def keep(keys: Sequence[bpy.types.ShapeKey]) -> None:
         key.mute = True
     if keys:
         names = told([key.name for key in keys])
-        note(f"kept and muted, as changed, locked or copied since it was written: {names}")
+        note(f"kept and muted, as changed, renamed, locked or copied since: {names}")
 
 
 def show(obj: bpy.types.Object) -> None:

@@ -1,4 +1,4 @@
-"""The header of a PLY file, the coordinates of its vertices, and how long what follows it is."""
+"""The header of a PLY file, the coordinates of its vertices, and how long its parts are."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -202,13 +202,8 @@ class Vertices:
         assert row is not None
         return row
 
-    def move(
-        self, path: Path, target: Path, offset: NDArray[np.float64], decimals: int | None = None
-    ) -> None:
-        """Write the file anew, the coordinates in double precision and ``offset`` added to them.
-
-        In text they are rounded to so many decimals.
-        """
+    def replace(self, path: Path, target: Path, points: NDArray[np.float64]) -> None:
+        """Write the file anew with other coordinates, (V, 3), in double precision."""
         data = path.read_bytes()
         rows = data[self.begin : self.end]
         head = data[: self.header.start]
@@ -223,26 +218,26 @@ class Vertices:
                 for item in self.element.properties
             ]
             new = old.astype(np.dtype(kinds))
-            for axis, add in zip(AXES, offset, strict=True):
-                new[axis] += add
+            for axis, values in zip(AXES, points.T, strict=True):
+                new[axis] = values
             rows = new.tobytes()
         else:
             columns = self.element.columns(AXES)
             rows = b"".join(
-                moved(line, columns, offset, decimals) for line in rows.splitlines(keepends=True)
+                replaced(line, columns, point)
+                for line, point in zip(
+                    rows.splitlines(keepends=True), points.tolist(), strict=False
+                )
             )
         with target.open("wb") as file:
             file.writelines((head, data[self.header.start : self.begin], rows, data[self.end :]))
 
 
-def moved(
-    line: bytes, columns: Iterable[int], offset: NDArray[np.float64], decimals: int | None
-) -> bytes:
-    """A line of text with ``offset`` added to three of its words, and rounded."""
+def replaced(line: bytes, columns: Iterable[int], point: Iterable[float]) -> bytes:
+    """A line of text with other numbers as some of its words."""
     words = line.split()
-    for column, add in zip(columns, offset, strict=True):
-        number = float(words[column]) + float(add)
-        words[column] = repr(number if decimals is None else round(number, decimals)).encode()
+    for column, number in zip(columns, point, strict=True):
+        words[column : column + 1] = [repr(number).encode()]
     return b" ".join(words) + b"\n"
 
 
@@ -257,14 +252,15 @@ def find_vertices(path: Path, header: Header) -> Vertices | None:
                     p.name for p in element.properties
                 }:
                     return None
-                _pass(file, element, header)
+                pass_over(file, element, header)
                 return Vertices(header, element, begin, file.tell())
-            if not _pass(file, element, header):
+            if not pass_over(file, element, header):
                 return None
     return None
 
 
-def _pass(file: BinaryIO, element: Element, header: Header) -> bool:
+def pass_over(file: BinaryIO, element: Element, header: Header) -> bool:
+    """Move past all items of an element; False if a binary file ends before."""
     if header.order:
         return skip(file, element, header.order)
     for _ in range(element.count):

@@ -18,6 +18,10 @@ FILTERS = (
 )
 
 
+# What the user is told of gains that are all 1.
+KEEPS_ALL = "the filter changes nothing: it keeps every band"
+
+
 class Chosen(Protocol):
     """What of a choice `filter_values` reads."""
 
@@ -41,7 +45,7 @@ def filter_values(choice: Chosen) -> list[float]:
         range_ = choice.bands, choice.first, choice.last, choice.amount
         is_preset = choice.preset not in ("GAINS", "CURVE")
         reason = idle_reason(choice.preset, *range_) if is_preset else None
-        note(reason or "the filter changes nothing: it keeps every band")
+        note(reason or KEEPS_ALL)
     return values
 
 

@@ -17,6 +17,8 @@ import numpy as np
 SRGB = "sRGB"
 # What its conversions by Blender may be off by; it has fast ones, good for 8 bits.
 NEAR = 1e-3
+# How a file is written that keeps floats as they are.
+_EXR = ("OPEN_EXR", "RGB", "32")
 
 
 class Kind(Enum):
@@ -94,14 +96,17 @@ def _to_linear(values: np.ndarray, space: str) -> np.ndarray:
 
 
 def _from_linear(values: np.ndarray, space: str) -> np.ndarray:
-    with _image(values, space) as image, tempfile.TemporaryDirectory() as folder:
-        image.pack()  # it becomes an image of the format OpenEXR
-        image.use_half_precision = False
-        # Blender 5.2 takes new pixels for values of its space; those of a file are scene-linear.
-        image.buffers_free()
-        _fill(image, values)
-        path = Path(folder) / "linear.exr"
-        image.save(filepath=str(path))
+    scene = bpy.data.scenes.new("Colors")
+    with _image(values, scene_linear()) as image, tempfile.TemporaryDirectory() as folder:
+        try:
+            settings = scene.render.image_settings
+            settings.file_format, settings.color_mode, settings.color_depth = _EXR
+            settings.color_management = "OVERRIDE"
+            settings.linear_colorspace_settings.name = space
+            path = Path(folder) / "colors.exr"
+            image.save_render(str(path), scene=scene)
+        finally:
+            bpy.data.scenes.remove(scene)
         written = bpy.data.images.load(str(path))
         try:
             make_raw(written)
@@ -124,16 +129,12 @@ def _image(values: np.ndarray, space: str) -> Iterator[bpy.types.Image]:
     try:
         image.colorspace_settings.name = space
         image.alpha_mode = "CHANNEL_PACKED"
-        _fill(image, values)
+        stored = np.ones((height, width, 4), dtype=np.float32)
+        stored[..., :3] = values
+        image.pixels.foreach_set(stored.ravel())
         yield image
     finally:
         bpy.data.images.remove(image)
-
-
-def _fill(image: bpy.types.Image, values: np.ndarray) -> None:
-    stored = np.ones((*values.shape[:2], 4), dtype=np.float32)
-    stored[..., :3] = values
-    image.pixels.foreach_set(stored.ravel())
 
 
 def _pixels(image: bpy.types.Image) -> np.ndarray:

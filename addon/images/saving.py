@@ -53,7 +53,8 @@ class Target:
     @property
     def a_file(self) -> str:
         """How messages call it, whose path may be one for the time being."""
-        return f"a {self.path.suffix.lower()}"
+        suffix = self.path.suffix.lower()
+        return f"an {suffix}" if suffix == ".exr" else f"a {suffix}"
 
 
 def save_picture(
@@ -158,7 +159,10 @@ def _channels(picture: Picture, pixels: Pixels, target: Target) -> str:
     if picture.header.is_grey and not pixels.has_alpha and form.holds_grey:
         return "BW"
     if picture.header.is_grey:
-        note(f"its grey is written as red, green and blue; {target.a_file} has no such channels")
+        grey, colors_ = "grey", "red, green and blue"
+        if pixels.has_alpha:
+            grey, colors_ = "grey with alpha", "red, green, blue and alpha"
+        note(f"its {grey} becomes {colors_}, as no {grey} is written to {target.a_file}")
     return "RGBA" if pixels.has_alpha else "RGB"
 
 

@@ -6,9 +6,12 @@ from bpy.props import StringProperty
 from ..decomposition.bands import follow_topology, names_of_bands
 from ..deformation import results as deformed
 from ..scene import results
-from ..scene.applying import apply_modifier
+from ..scene.applying import apply_modifier, farthest, seen
 from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
+
+# How far, relative to the size, what is seen may move untold.
+VISIBLE = 1e-5
 
 
 class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
@@ -35,6 +38,7 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.active_object
         enabled = [each.name for each in obj.modifiers if each.show_viewport]
+        before = seen(obj)
         known = [results.known(obj, written) for written in results.THINGS]
         bands, deformations = names_of_bands(obj), deformed.known_names(obj)
         applied = []
@@ -52,6 +56,12 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
         deformed.renew(obj, deformations)
         follow_topology(obj, bands)
         self.report({"INFO"}, f"{obj.name}: applied {', '.join(map(repr, applied))}")
+        moved = farthest(before, seen(obj))
+        if moved > VISIBLE * obj.dimensions.length:
+            notes.append(
+                f"what is seen has changed, by up to {moved:.2g}: modifiers were applied to each "
+                "shape key by itself, and do not treat their sum or their masks so"
+            )
         for note in notes:
             self.report({"WARNING"}, f"{obj.name}: {note}")
         return {"FINISHED"}
@@ -66,7 +76,11 @@ def apply_refusal(obj: bpy.types.Object | None) -> str | None:
         return "Go to Object Mode first"
     if obj.data.shape_keys is None:
         return "The mesh has no shape keys; Blender's own Apply does"
-    return None if obj.modifiers else "The object has no modifiers"
+    if not obj.modifiers:
+        return "The object has no modifiers"
+    if not any(each.show_viewport for each in obj.modifiers):
+        return "All its modifiers are disabled in the viewport"
+    return None
 
 
 CLASSES = (SPECTRAL_TV_OT_apply_modifier,)

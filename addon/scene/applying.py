@@ -47,6 +47,20 @@ def apply_modifier(obj: bpy.types.Object, name: str) -> None:
     obj.modifiers.remove(modifier)
 
 
+def seen(obj: bpy.types.Object) -> np.ndarray:
+    """Where the vertices of an object are seen, its keys and modifiers applied, (V, 3)."""
+    bpy.context.view_layer.update()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return coordinates(evaluated.data.vertices).reshape(-1, 3)
+
+
+def farthest(before: np.ndarray, after: np.ndarray) -> float:
+    """How far a vertex moved; 0 where they are not the same vertices."""
+    if before.shape != after.shape or not len(before):
+        return 0.0
+    return float(np.linalg.norm(after - before, axis=1).max())
+
+
 def _why_not(obj: bpy.types.Object, modifier: bpy.types.Modifier | None) -> str:
     if modifier is None:
         return "does not exist"

@@ -1,5 +1,6 @@
 """Reading the surface of an object, or of several that belong together."""
 
+import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +19,8 @@ from .objects import Refusal
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37
+# How the package says what would join corners, which is a length there.
+ADVICE = re.compile(r"pass weld=(?:(?P<length>[\d.e+-]+)|, a length beyond)")
 
 
 @dataclass(frozen=True)
@@ -100,14 +103,15 @@ class Surface:
         )
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always", spectral_tv.MeshWarning)
+            size = _size(positions, corners)
             mesh = spectral_tv.Mesh(
                 positions,
                 corners,
-                weld=reading.weld / 100 * _size(positions, corners),
+                weld=reading.weld / 100 * size,
                 broken="drop" if reading.leaves_out else "refuse",
             )
         done = [str(mesh.findings)] if mesh.findings else []
-        for text in (*done, *(str(each.message) for each in told)):
+        for text in (*done, *(_in_percent(str(each.message), size) for each in told)):
             note(text)
         return [
             cls(
@@ -220,14 +224,17 @@ class _Part:
             places[corners[:, ::-1] if is_flipped else corners]
             for places, is_flipped in zip(copies.places, copies.is_flipped, strict=True)
         ]
-        positions = copies.positions @ matrix.T + np.array(shift)
+        is_nowhere = np.isnan(copies.positions)
+        positions = np.where(is_nowhere, 0.0, copies.positions) @ matrix.T + np.array(shift)
+        # A coordinate in the world has no place if it depends on one that has none.
+        positions[is_nowhere @ (matrix != 0).T] = np.nan
         return cls(copies, matrix, positions, np.concatenate(turned))
 
 
 def _without_strays(shape: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """The shape with NaN for vertices that are nowhere, and those in no face at any place."""
-    is_nowhere = ~(np.abs(shape) < NOWHERE).all(axis=1)
-    shape = np.where(is_nowhere[:, np.newaxis], np.nan, shape)
+    """The shape with NaN for coordinates that are nowhere, and vertices in no face at any place."""
+    shape = np.where(np.abs(shape) < NOWHERE, shape, np.nan)
+    is_nowhere = np.isnan(shape).any(axis=1)
     is_stray = is_nowhere.copy()
     is_stray[corners] = False
     count = np.count_nonzero(is_stray)
@@ -236,6 +243,20 @@ def _without_strays(shape: np.ndarray, corners: np.ndarray) -> np.ndarray:
         what = "1 vertex in no face has" if count == 1 else f"{count} vertices in no face have"
         note(f"{what} no finite place, and no part in this")
     return shape
+
+
+def _in_percent(text: str, size: float) -> str:
+    """Advice of the package as one about *Join Within*, in percent of the size."""
+    found = ADVICE.search(text)
+    if found is None or size == 0:
+        return text
+    if found["length"] is None:
+        return text.replace(found[0], "raise Join Within beyond")
+    share = 100 * float(found["length"]) / size
+    if share > 0:  # rounded up, so that it is enough
+        unit = 10.0 ** (np.floor(np.log10(share)) - 1)
+        share = float(np.ceil(share / unit) * unit)
+    return text.replace(found[0], f"set Join Within to {share:.3g} %")
 
 
 def _size(vertices: np.ndarray, corners: np.ndarray) -> float:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
+from .notes import gathered
 from .surface import Reading, Surface
 
 
@@ -17,7 +18,8 @@ def touching(
     """
     if len(objects) == 1:
         return [[0]]
-    surfaces = Surface.read_together(objects, shapes, reading)
+    with gathered():  # who works on a group reads it again, and notes what is found in it
+        surfaces = Surface.read_together(objects, shapes, reading)
     mesh = surfaces[0].mesh
     # Every vertex of the mesh has one of the objects that it is of; what is of two joins them.
     owner = np.full(len(mesh.vertex_areas), -1)

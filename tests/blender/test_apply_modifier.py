@@ -189,3 +189,26 @@ def test_refusals_say_why(banded, capfd):
     banded.shape_key_clear()
     with pytest.raises(RuntimeError, match="no shape keys"):
         bpy.ops.spectral_tv.apply_modifier()
+
+
+def test_what_a_modifier_changes_of_what_is_seen_is_told(banded, capfd):
+    """It is exact where the modifier treats keys one by one, and masks are not smoothed."""
+    banded.modifiers.new("Twist", "SIMPLE_DEFORM").angle = 2
+    before = seen(banded)
+    apply(banded)
+    moved = np.linalg.norm(seen(banded) - before, axis=1).max()
+    assert moved > 1e-4
+    assert f"what is seen has changed, by up to {moved:.2g}" in capfd.readouterr().out
+    banded.data.shape_keys.key_blocks["M1 Band 2"].vertex_group = ""
+    banded.modifiers.new("Subdivision", "SUBSURF")
+    before = seen(banded)
+    apply(banded)
+    np.testing.assert_allclose(seen(banded), before, atol=1e-5)
+    assert "what is seen has changed" not in capfd.readouterr().out
+
+
+def test_modifiers_that_are_all_off_are_refused(banded):
+    banded.modifiers.new("Subdivision", "SUBSURF").show_viewport = False
+    bpy.context.view_layer.objects.active = banded
+    with pytest.raises(RuntimeError, match="disabled in the viewport"):
+        bpy.ops.spectral_tv.apply_modifier()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import bpy
@@ -275,8 +276,8 @@ def test_a_group_that_only_other_objects_have_is_left_out_there(tmp_path: Path, 
     parts = ["--pin", "Feet", "--move", "Head:0.4,0,0"]
     deform(path, tmp_path / "out.blend", *parts)
     told = capfd.readouterr().err
-    assert f"{path}: Hair has no vertex group 'Feet'" in told
-    assert f"{path}: Eyes was left as it is: it has none of the groups to move" in told
+    assert f"{path}: Hair: it has no vertex group 'Feet'" in told
+    assert f"{path}: Eyes: it was left as it is: it has none of the groups to move" in told
     body, hair, eyes = (bpy.data.objects[name] for name in ("Body", "Hair", "Eyes"))
     z = key_positions(body, "Basis")[:, 2]
     assert_all(moved(body)[z > 1.8], (0.4, 0, 0))
@@ -325,12 +326,22 @@ def test_over_frames_in_stretched_time_what_is_moved_goes_its_way(tmp_path: Path
     np.testing.assert_allclose(np.diff(heights), 0.25, atol=1e-3)
 
 
-def test_what_a_format_has_of_the_frames_is_told(tmp_path: Path, capfd):
-    source = write_held(tmp_path / "held.blend")
-    for suffix in (".obj", ".glb"):
-        deform(source, tmp_path / f"out{suffix}", "--frames", "1-9:4")
-        told = f"{source}: .obj holds no animation of shapes: it has that of frame 9"
-        assert (told in capfd.readouterr().err) == (suffix == ".obj")
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".stl"])
+def test_a_format_that_cannot_play_gets_a_file_for_each_frame(tmp_path: Path, suffix):
+    source, report = write_held(tmp_path / "held.blend"), tmp_path / "report.jsonl"
+    options = ["--frames=-3-9:4", "--report", str(report)]
+    assert run(["deform", str(source), "-o", str(tmp_path / f"out{suffix}"), *options]) == 0
+    assert bpy.context.scene.frame_current == 9
+    names = [f"out_{frame}{suffix}" for frame in ("-003", "0001", "0005", "0009")]
+    assert sorted(path.name for path in tmp_path.glob(f"out*{suffix}")) == sorted(names)
+    line = json.loads(report.read_text())
+    assert line["output"] == [str(tmp_path / name) for name in names]
+    assert not any("scene starts" in text for text in line["warnings"])
+    for name, x in zip(names, (0.0, 0.0, 0.4, 0.8), strict=True):
+        load(tmp_path / name)
+        points = shown()
+        head = points[points[:, 2] > points[:, 2].max() - 0.1]
+        assert head[:, 0].mean() == pytest.approx(x, abs=0.05)
 
 
 def test_frames_that_no_scene_starts_at_are_told(tmp_path: Path, capfd):
@@ -349,10 +360,61 @@ def test_objects_of_one_mesh_are_deformed_alike_and_that_is_told(tmp_path: Path,
     bpy.context.scene.collection.objects.link(twin)
     bpy.ops.wm.save_mainfile()
     deform(source, tmp_path / "out.blend", *UP)
-    assert f"{source}: 2 objects share the mesh of Dumbbell" in capfd.readouterr().err
+    assert f"{source}: 2 objects share its mesh: all are deformed alike" in capfd.readouterr().err
     load(source)
     for each in meshes():
         add_handle(each)
     bpy.ops.wm.save_mainfile()
     assert run(["deform", str(source), "-o", str(tmp_path / "no.blend")]) == 1
     assert "Its mesh is also that of" in capfd.readouterr().err
+
+
+def write_halves(path: Path, gap: float = 1e-6) -> Path:
+    """Two halves of a plate, left and right, whose borders are so far apart."""
+    empty()
+    for name, x in (("left", -0.5), ("right", 0.5 + gap)):
+        bpy.ops.mesh.primitive_grid_add(x_subdivisions=9, y_subdivisions=9, size=1)
+        obj = bpy.context.object
+        obj.name = obj.data.name = name
+        for vertex in obj.data.vertices:
+            vertex.co.x += x
+    return write_scene(path)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".glb", ".blend"])
+def test_objects_that_belong_together_and_are_deformed_apart_are_told(
+    tmp_path: Path, capfd, suffix
+):
+    options = ["--pin", "x<10%", "--move", "x>90%:0,0,0.2"]
+    source, target = write_halves(tmp_path / f"in{suffix}"), tmp_path / f"out{suffix}"
+    assert run(["deform", str(source), "-o", str(target), *options]) == 0
+    told = capfd.readouterr().err
+    assert "open edges of left, right meet, but each object is deformed by itself" in told
+    assert "x<10%, x>90%: percent are of each object by itself, left, right" in told
+
+
+def test_objects_apart_and_single_ones_tear_nowhere(tmp_path: Path, capfd):
+    options = ["--pin", "x<10%", "--move", "x>90%:0,0,0.2"]
+    target = tmp_path / "out.obj"
+    source = write_halves(tmp_path / "in.obj", gap=0.3)
+    assert run(["deform", str(source), "-o", str(target), *options]) == 0
+    told = capfd.readouterr().err
+    assert "meet" not in told
+    assert "percent are of each object by itself, left, right" in told
+    source = write_halves(tmp_path / "in.obj")
+    assert run(["deform", str(source), "-o", str(target), *options, "--object", "left"]) == 0
+    told = capfd.readouterr().err
+    assert "meet" not in told
+    assert "percent" not in told
+
+
+def test_an_object_that_stays_beside_one_that_is_deformed_is_told(tmp_path: Path, capfd):
+    write_halves(tmp_path / "in.blend")
+    obj = bpy.data.objects["right"]
+    for name, is_in in (("Feet", lambda x: x < 0.1), ("Head", lambda x: x > 0.9)):
+        members = [vertex.index for vertex in obj.data.vertices if is_in(vertex.co.x)]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+    add_handle(obj)
+    source, target = write_scene(tmp_path / "in.blend"), tmp_path / "out.obj"
+    assert run(["deform", str(source), "-o", str(target)]) == 0
+    assert "open edges of right, left meet" in capfd.readouterr().err

@@ -12,6 +12,7 @@ from command_line_files import (
     empty,
     run,
     write_monkey,
+    write_scene,
 )
 
 FLAT = ["--method", "m3", "--base", "flat"]
@@ -123,6 +124,51 @@ def test_what_an_object_lacks_is_named(tmp_path: Path, capfd, choices, message):
     assert decompose(path, target, *choices) == 1
     assert f"{path}: error: Suzanne: {message}" in capfd.readouterr().err
     assert not target.exists()
+
+
+def test_wrong_arguments_are_told_in_a_line(tmp_path: Path, capfd):
+    for arguments in (["decompose"], ["decompose", "in.ply", "-o", "x.doc"], ["nothing"]):
+        assert run(arguments) == 2
+        (line,) = capfd.readouterr().err.splitlines()
+        assert ": error: " in line
+        assert line.endswith("(--help tells all arguments)")
+
+
+def test_a_folder_as_input_is_told(tmp_path: Path, capfd):
+    for verb, name in (("decompose", "out.ply"), ("deform", "out.ply"), ("image", "out.png")):
+        options = ["--move", "z>90%:0,0,1"] if verb == "deform" else []
+        assert run([verb, str(tmp_path), "-o", str(tmp_path / name), *options]) == 1
+        assert f"{tmp_path}: error: it is a folder" in capfd.readouterr().err
+
+
+def test_messages_about_one_of_several_objects_name_it(tmp_path: Path, capfd):
+    empty()
+    for x, name in ((0, "Whole"), (5, "Torn")):
+        bpy.ops.mesh.primitive_grid_add(x_subdivisions=9, y_subdivisions=9, location=(x, 0, 0))
+        bpy.context.object.name = bpy.context.object.data.name = name
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.edge_split(type="EDGE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    source = write_scene(tmp_path / "in.glb")
+    assert decompose(source, tmp_path / "out.obj") == 0
+    told = capfd.readouterr().err.splitlines()
+    joined = [line for line in told if " corners at open edges" in line]
+    assert any(line.startswith(f"{source}: Torn: joined ") for line in joined), told
+    assert all(line.startswith(f"{source}: Torn: ") for line in joined), told
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".blend"])
+def test_gains_that_keep_every_band_are_told(tmp_path: Path, capfd, suffix):
+    source, target = write_monkey(tmp_path / "in.ply"), tmp_path / f"out{suffix}"
+    idle = "the filter changes nothing: it keeps every band"
+    for options in (["--gain", "all=1"], ["--curve", "0:1,1:1"]):
+        assert decompose(source, target, *options) == 0
+        assert idle in capfd.readouterr().err
+    assert decompose(source, target) == 0  # bands can be dialled in a .blend
+    assert (idle in capfd.readouterr().err) == (suffix == ".ply")
+    assert decompose(source, target, "--gain", "1=0") == 0
+    assert idle not in capfd.readouterr().err
 
 
 def test_help(capfd):

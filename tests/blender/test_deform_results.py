@@ -16,7 +16,7 @@ from deform_scene import (
     members,
 )
 
-KEPT = "kept and muted, as changed, locked or copied since it was written"
+KEPT = "kept and muted, as changed, renamed, locked or copied since"
 
 
 def keys(obj):
@@ -283,13 +283,15 @@ def test_keys_of_the_user_that_bear_the_names_of_frames_stay(held):
         np.testing.assert_allclose(seen(held), (frame - 1) / 10, atol=1e-5)
 
 
-def test_a_renamed_key_of_a_baking_goes_with_it(held):
+def test_a_renamed_key_of_a_baking_is_kept(held, capfd):
     animate(held)
     bake()
     keys(held)["Deformation 5"].name = "Middle"
     bake()
-    names = ["Basis", "Deformation 1", "Deformation 5", "Deformation 9"]
+    names = ["Basis", "Middle", "Deformation 1", "Deformation 5", "Deformation 9"]
     assert [key.name for key in keys(held)] == names
+    assert keys(held)["Middle"].mute
+    assert "renamed, locked or copied since: 'Middle'" in capfd.readouterr().out
 
 
 def twins() -> tuple[bpy.types.Object, bpy.types.Object]:

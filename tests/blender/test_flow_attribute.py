@@ -182,6 +182,16 @@ def test_shape_keys_flow_the_same_at_every_scale(sphere, scale):
     assert sphere.data.shape_keys.key_blocks["Lift Flow"].value == 0
 
 
+def test_a_mask_of_a_flowed_key_is_told(sphere, capfd):
+    sphere.shape_key_add(name="Basis")
+    sphere.vertex_groups.new(name="Half")
+    key = sphere.shape_key_add(name="Lift")
+    key.data[0].co.z += 0.5
+    key.vertex_group = "Half"
+    flow(kind="KEY", source="Lift", steps=4)
+    assert "'Lift' is limited to 'Half'; what comes of it is not" in capfd.readouterr().out
+
+
 def test_torn_seams_stay_closed():
     faces = np.arange(3 * len(FACES)).reshape(-1, 3)
     obj = link(VERTICES[FACES].reshape(-1, 3), faces)

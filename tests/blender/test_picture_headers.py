@@ -140,8 +140,22 @@ def test_what_a_file_holds_besides_is_told(tmp_path, keep):
         (colors("8", 4), ".png", ".jpg", (), "pixels that were transparent are shown in full"),
         (colors("8", 4), ".png", ".webp", (), "pixels under alpha 0 are not kept"),
         (colors("8", 4), ".png", ".exr", (), "pixels under alpha 0 are not kept"),
-        (colors("8", 1), ".png", ".webp", (), "its grey is written as red, green and blue"),
-        (colors("8", 2), ".png", ".png", (), "its grey is written as red, green and blue"),
+        (
+            colors("8", 1),
+            ".png",
+            ".webp",
+            (),
+            "its grey becomes red, green and blue, as no grey is",
+        ),
+        (
+            colors("8", 2),
+            ".png",
+            ".png",
+            (),
+            "its grey with alpha becomes red, green, blue and alpha, as no grey with alpha is "
+            "written to a .png",
+        ),
+        (colors("half", 1), ".exr", ".exr", (), "blue, as no grey is written to an .exr"),
         (colors("8"), ".png", ".exr", (), "its colors were converted from sRGB to Linear Rec.709"),
         (colors("float"), ".exr", ".png", (), "converted from Linear Rec.709 to sRGB"),
         (colors("float"), ".exr", ".tif", (), "are in Linear Rec.709, but Blender will open it as"),
@@ -225,3 +239,22 @@ def test_colors_that_an_openexr_file_describes_stay_described(tmp_path, keep):
     keep(source, tmp_path / "named.exr", "--colorspace", "Linear CIE-XYZ E")
     with OpenEXR.File(str(tmp_path / "named.exr")) as file:
         assert file.header().get("colorInteropID") != "lin_rec709_scene"
+
+
+@pytest.mark.parametrize("dtype", ["uint32", "int32", "int16", "int8", "uint64", "complex64"])
+def test_numbers_that_would_become_others_are_refused(dtype, tmp_path, keep):
+    source, target = tmp_path / "in.tif", tmp_path / "out.tif"
+    values = np.arange(20 * 30).reshape(20, 30) % 100
+    tifffile.imwrite(source, values.astype(dtype), photometric="minisblack")
+    told = keep(source, target, code=1)
+    kind = "complex floats" if dtype[0] == "c" else f"integers of {np.dtype(dtype).itemsize * 8} b"
+    assert kind in told
+    assert not target.exists()
+
+
+def test_digits_that_are_lost_of_floats_are_told(tmp_path, keep):
+    source, target = tmp_path / "in.tif", tmp_path / "out.tif"
+    values = 1000 + np.random.default_rng(0).random((20, 30))
+    tifffile.imwrite(source, values, photometric="minisblack")
+    assert "its floats of 64 bits are read with 32" in keep(source, target)
+    np.testing.assert_array_equal(tifffile.imread(target), values.astype(np.float32))

@@ -102,6 +102,21 @@ def test_masks_mutes_locks_and_slider_ranges_go_over(banded, keys, capfd):
     assert "vertex groups differ" in told(capfd)
 
 
+def test_what_the_new_bands_cannot_have_is_told(banded, keys, capfd):
+    """Locks that differ, names that were given, and values that become their mean."""
+    for name, value in zip(SIX, (-1, -1, -1, 1, 1, 1), strict=True):
+        keys[name].value = value
+    keys[SIX[1]].lock_shape = True
+    keys[SIX[3]].name = "Wrinkles"
+    told(capfd)
+    _, middle, _ = cut(banded, 3).values()
+    assert middle.value == pytest.approx(0)
+    text = told(capfd)
+    assert "'M1 Band 1', 'M1 Band 2', whose locks differ; it has what 'M1 Band 1' had" in text
+    assert "'Wrinkles' went into 'M1 Band 2'" in text
+    assert "the mean of other values, so that the shape is another: 'M1 Band 2' (" in text
+
+
 def test_the_shape_that_is_seen_stays_where_bands_are_split(banded, keys):
     def seen() -> np.ndarray:
         graph = bpy.context.evaluated_depsgraph_get()

@@ -54,6 +54,27 @@ def test_a_line_says_what_was_read_done_lost_and_written(tmp_path: Path):
     assert any(warning.startswith("left out, as a .stl") for warning in line["warnings"])
 
 
+def test_settings_that_count_are_in_the_report_alone(tmp_path: Path):
+    source, report = write_monkey(tmp_path / "monkey.ply"), tmp_path / "report.jsonl"
+    every = {"method", "bands", "shape", "weld", "leave_out", "apart", "gains"}
+    for options, own in (
+        ([], {"steps"}),
+        (["--finest", "2"], {"steps", "finest"}),
+        (["--method", "m3"], {"steps", "base", "metric"}),
+        (["--method", "displacement"], {"base"}),
+        (["--method", "lb", "--eigenpairs", "9"], {"steps", "eigenpairs"}),
+    ):
+        arguments = ["--gain", "1=0", "--report", str(report), *QUICK, *options]
+        assert run(["decompose", str(source), "-o", str(tmp_path / "out.stl"), *arguments]) == 0
+        found = lines(report)[-1]["done"]["settings"]
+        wanted = every | own
+        if "displacement" in options:
+            wanted.discard("bands")
+        assert set(found) == wanted
+        assert None not in found.values()
+    assert lines(report)[2]["done"]["settings"]["base"] == "flow"
+
+
 def test_lines_are_added_for_every_input_and_verb(tmp_path: Path):
     report = tmp_path / "report.jsonl"
     report.write_text('{"input": "cut sho')  # by a program that was ended

@@ -302,6 +302,29 @@ def test_probable_mistakes_are_told(mesh, weld, message):
         assert share <= 0.75
 
 
+def test_a_seam_of_two_borders_with_other_vertices_is_told():
+    """Every second corner of a curved border is at the same place as one of the other."""
+
+    def curved(count: int, shift: float):
+        x, y = (axis.ravel() for axis in np.meshgrid([0, 1], np.linspace(0, 1, count)))
+        corner = np.arange(2 * count - 2).reshape(-1, 2)[:, 0]
+        halves = [[corner, corner + 1, corner + 3], [corner, corner + 3, corner + 2]]
+        heights = 0.1 * np.cos(4 * y)
+        return np.column_stack([x + shift, y, heights]), np.hstack(halves).T
+
+    (one, first), (other, second) = curved(21, 0), curved(11, 1)
+    torn = np.vstack([one, other]), np.vstack([first, second + len(one)])
+    with pytest.warns(spectral_tv.MeshWarning, match="pass weld=2e-3"):
+        spectral_tv.Mesh(*torn)
+    joined = spectral_tv.Mesh(*torn, weld=2e-3)
+    assert joined.findings.closed_junctions == 10
+
+
+def test_one_triangle_that_is_there_twice_is_told():
+    with pytest.warns(spectral_tv.MeshWarning, match="0.3 % of the triangles have the same"):
+        spectral_tv.Mesh(VERTICES, np.vstack([TRIANGLES, TRIANGLES[:1]]))
+
+
 def test_scattered_triangles_are_told_though_nothing_would_join_them():
     rng = np.random.default_rng(0)
     corners = rng.normal(size=(60, 3))

@@ -14,7 +14,12 @@ STRIPS, TILES = (273, 279), (324, 325)
 RESOLUTION, UNIT = (282, 283), 296
 EXTRA, FORMAT = 338, 339
 XMP, IPTC, EXIF, PROFILE = 700, 33723, 34665, 34675
-REAL, UNSIGNED = 3, 1
+UNSIGNED, SIGNED, REAL = 1, 2, 3
+# What is neither, nor of unknown kind.
+COMPLEX = {5: "integers", 6: "floats"}
+# Of integers, and of floats.
+MOST_BITS = 16
+SINGLE = 32
 ASSOCIATED = 1
 CMYK, PALETTE = 5, 3
 # What the picture itself tells, or is heeded.
@@ -97,6 +102,7 @@ def read(data: bytes) -> Header:
     photometric = page.numbers(PHOTOMETRIC, 1)[0]
     if bits < 8:
         raise Unreadable(f"its values have {bits} bits, which Blender misreads; give them 8")
+    _require_values(kind, bits)
     for starts, lengths in (STRIPS, TILES):
         ends = map(sum, zip(page.numbers(starts), page.numbers(lengths), strict=True))
         if any(end > len(data) for end in ends):
@@ -124,8 +130,27 @@ def read(data: bytes) -> Header:
         profile=page.bytes(PROFILE),
         resolution=_resolution(page),
         unread=tuple(unread),
-        remarks=(AS_RGB,) if photometric == CMYK else (),
+        remarks=tuple(_remarks(photometric, kind, bits)),
     )
+
+
+def _require_values(kind: int, bits: int) -> None:
+    """Raise Unreadable of values that Blender makes others of: fractions of the largest ones."""
+    if kind in COMPLEX:
+        raise Unreadable(f"its values are complex {COMPLEX[kind]}, which are no colors")
+    if kind == SIGNED or (kind == UNSIGNED and bits > MOST_BITS):
+        sign = "signed " if kind == SIGNED else ""
+        raise Unreadable(
+            f"its values are {sign}integers of {bits} bits, which Blender misreads; save it with "
+            "floats of 32 bits, or positive integers of 16"
+        )
+
+
+def _remarks(photometric: float, kind: int, bits: int) -> Iterator[str]:
+    if photometric == CMYK:
+        yield AS_RGB
+    if kind == REAL and bits > SINGLE:
+        yield f"its floats of {bits} bits are read with {SINGLE}"
 
 
 def _depth(kind: int, bits: int) -> str:

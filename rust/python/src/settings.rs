@@ -12,7 +12,7 @@ use spectral_tv::solver::Solver;
 use crate::arrays;
 use crate::error::Failure;
 use crate::job::guarded;
-use crate::parameters;
+use crate::parameters::{self, Number};
 
 /// The keyword arguments of `decompose` and `start_decompose`.
 pub struct Request<'a, 'py> {
@@ -233,7 +233,7 @@ pub fn solver(name: &str) -> Result<Solver, Failure> {
 pub fn gains(gains: &Bound<'_, PyAny>, times: &[f64]) -> Result<Vec<f64>, Failure> {
     match gains.is_callable() {
         true => {
-            let gain = |time: &f64| gains.call1((*time,))?.extract();
+            let gain = |time: &f64| f64::read("gains", &gains.call1((*time,))?);
             Ok(times.iter().map(gain).collect::<PyResult<_>>()?)
         }
         false => arrays::list("gains", gains),

@@ -23,8 +23,9 @@ const MOST: f64 = 0.5;
 const MANY: f64 = 0.1;
 /// Fewer triangles may well be meant to be alone.
 const FEW_TRIANGLES: usize = 16;
-/// The share of triangles that are the same as others from which on they are told.
-const REPEATED: f64 = 0.01;
+/// So many corners at the same places, of which no edge would close, are those of two borders with
+/// other vertices.
+const SEAM: usize = 4;
 /// About how many triangles are compared with one another.
 const SAMPLE: usize = 1 << 15;
 /// The most open edges among which gaps are looked for; of more, it is those of a slab.
@@ -141,7 +142,7 @@ impl TriangleMesh {
             doubts.extend(self.torn());
         }
         let share = scan.repeated_share();
-        if share >= REPEATED {
+        if share > 0.0 {
             doubts.push(Doubt::Repeated { share });
         }
         let unused = self.vertex_areas().iter().filter(|&&area| area == 0.0);
@@ -197,7 +198,8 @@ impl TriangleMesh {
             [] => None,
             _ => nearly(GAP),
         };
-        let found = near.or(exactly);
+        let seam = || (coincident >= SEAM).then(|| nearly(WIDE_GAP)).flatten();
+        let found = near.or(exactly).or_else(seam);
         let Some(edges) = edges.filter(|_| !found.as_ref().is_some_and(closes(MOST))) else {
             return found;
         };
