@@ -25,6 +25,7 @@ from .given import write_stl
 from .load import Source
 from .metres import in_metres
 from .moving_curves import moving_alone
+from .rendered import rendered_as_shown
 from .shown import Kept, shown
 from .textures import beside, folder_name
 
@@ -174,7 +175,8 @@ def _export_ply(place: Path, export: Export) -> None:
     export.options["ascii_format"] = is_text(".ply", source)
     # Blender 5.2 writes what will be rendered, so modifiers are applied before.
     with shown(export.meshes, lambda _obj, _key: False, None, dress_of(".ply")):
-        export.call(place)
+        with rendered_as_shown():
+            export.call(place)
         check(place)
         finish_ply.finish(place, source.digits, look, len(export.meshes) == 1)
 
