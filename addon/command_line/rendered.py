@@ -7,6 +7,7 @@ from itertools import chain
 import bpy
 
 from ..scene.channels import actions_of
+from ..scene.notes import listed, note
 
 # Properties that renders go by, and those that the viewport goes by.
 PAIRS = {
@@ -19,12 +20,15 @@ PAIRS = {
     "render_resolution": "resolution",  # of metaballs
     "render_resolution_u": "resolution_u",  # of curves
     "render_resolution_v": "resolution_v",
+    "simplify_subdivision_render": "simplify_subdivision",  # of all in a scene
 }
+# The node that tells viewports from renders.
+TELLER = "GeometryNodeIsViewport"
 
 
 @contextmanager
 def rendered_as_shown() -> Iterator[None]:
-    """Have renders show what the viewport shows."""
+    """Have renders show what the viewport shows; it is noted where nodes will tell them apart."""
     before = []
 
     def change(owner: bpy.types.bpy_struct, name: str, value: object) -> None:
@@ -41,6 +45,8 @@ def rendered_as_shown() -> Iterator[None]:
                 if hasattr(owner, name) and hasattr(owner, shown):
                     change(owner, name, getattr(owner, shown))
         bpy.context.view_layer.update()
+        if bpy.app.version > (5, 1) and (tellers := _tellers()):
+            note(f"written as it is rendered, by the nodes that tell: {listed(tellers)}")
         yield
     finally:
         for owner, name, value in reversed(before):
@@ -53,6 +59,7 @@ def _blocks() -> Iterator[bpy.types.ID]:
 
 
 def _owners() -> Iterator[bpy.types.bpy_struct]:
+    yield bpy.context.scene.render
     for block in _blocks():
         yield block
         if isinstance(block, bpy.types.Object):
@@ -66,3 +73,12 @@ def _curves() -> Iterator[bpy.types.FCurve]:
             yield from block.animation_data.drivers
             for animated in actions_of(block):
                 yield from animated.curves or ()
+
+
+def _tellers() -> list[str]:
+    """Names of the node groups in use that tell viewports from renders."""
+    return [
+        group.name
+        for group in bpy.data.node_groups
+        if group.users and any(node.bl_idname == TELLER for node in group.nodes)
+    ]

@@ -104,6 +104,17 @@ def keyed_and_muted(obj):
     keys(obj)["Up"].mute = True
 
 
+def simplified(obj):
+    """The scene limits what is seen otherwise than what is rendered."""
+    subdivided(obj)
+    render = bpy.context.scene.render
+    render.use_simplify, render.simplify_subdivision, render.simplify_subdivision_render = (
+        True,
+        1,
+        0,
+    )
+
+
 def subdivided(obj):
     masked(obj)
     modifier = obj.modifiers.new("Subdivision", "SUBSURF")
@@ -196,8 +207,8 @@ def rendered_with_more(obj):
 
 POSES = [posed, posed_as_a_child, posed_by_a_hidden_rig, posed_and_subdivided]
 SCENES = [
-    masked, muted, pinned, chained, driven, keyed, keyed_and_muted, subdivided, mirrored, thick,
-    off, *POSES, hidden, not_rendered,
+    masked, muted, pinned, chained, driven, keyed, keyed_and_muted, subdivided, simplified,
+    mirrored, thick, off, *POSES, hidden, not_rendered,
     animated_to_be_not_rendered, rendered_with_more,
 ]  # fmt: skip
 
@@ -271,15 +282,7 @@ def test_instances_are_as_the_screen_shows_them(tmp_path: Path, suffix):
     bpy.context.scene.collection.objects.unlink(cube)
     collection.hide_render = True
     bpy.ops.object.collection_instance_add(collection="Draft", location=(5, 0, 0))
-    bpy.context.view_layer.update()
-    shape = bpy.context.evaluated_depsgraph_get().object_instances
-    points = [
-        item.matrix_world @ vertex.co
-        for item in shape
-        if item.is_instance
-        for vertex in item.object.data.vertices
-    ]
-    expected = np.concatenate([seen(), np.array(points)])
+    expected = points_shown()
     source, target = tmp_path / "scene.blend", tmp_path / f"out{suffix}"
     bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
     assert run(["decompose", str(source), "-o", str(target), *QUICK, "--gain", "all=1"]) == 0
@@ -352,8 +355,8 @@ def test_writing_leaves_the_scene_as_it_was(tmp_path: Path):
             assert described() == before, suffix
 
 
-def test_instances_that_cannot_come_along_are_told(tmp_path: Path, capfd):
-    source = tmp_path / "in.blend"
+def scattered(path: Path) -> bpy.types.NodeTree:
+    """Write a .blend of cubes on the vertices of a relief, by nodes, and return these."""
     obj = relief()
     group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
     group.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketGeometry")
@@ -372,8 +375,50 @@ def test_instances_that_cannot_come_along_are_told(tmp_path: Path, capfd):
         group.links.new(node.outputs[0], join.inputs[0])
     group.links.new(join.outputs[0], end.inputs[0])
     obj.modifiers.new("Scatter", "NODES").node_group = group
-    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    return group
+
+
+def test_instances_that_cannot_come_along_are_told(tmp_path: Path, capfd):
+    source = tmp_path / "in.blend"
+    scattered(source)
     for suffix in (".glb", ".fbx"):
         target = tmp_path / f"out{suffix}"
         assert run(["decompose", str(source), "-o", str(target), *QUICK]) == 0
         assert "left out: instances that Grid shows" in capfd.readouterr().err
+
+
+def points_shown() -> np.ndarray:
+    """Where the vertices of all that is shown are in the world, instances too, (N, 3)."""
+    bpy.context.view_layer.update()
+    items = bpy.context.evaluated_depsgraph_get().object_instances
+    return np.array(
+        [
+            item.matrix_world @ vertex.co
+            for item in items
+            if item.show_self and item.object.type == "MESH"
+            for vertex in item.object.data.vertices
+        ]
+    )
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".obj"])
+def test_instances_of_nodes_are_as_the_screen_shows_them(tmp_path: Path, suffix):
+    source, target = tmp_path / "in.blend", tmp_path / f"out{suffix}"
+    scattered(source)
+    expected = points_shown()
+    assert run(["decompose", str(source), "-o", str(target), *QUICK, "--gain", "all=1"]) == 0
+    load(target)
+    assert distance(expected, seen()) < 2e-6
+
+
+def test_nodes_that_tell_renders_from_the_screen_are_told(tmp_path: Path, capfd):
+    """Where Blender writes what is rendered."""
+    source = tmp_path / "in.blend"
+    scattered(source).nodes.new("GeometryNodeIsViewport")
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    for suffix in (".ply", ".stl"):
+        assert run(["decompose", str(source), "-o", str(tmp_path / f"out{suffix}"), *QUICK]) == 0
+        told = "written as it is rendered, by the nodes that tell: Scatter"
+        expected = suffix == ".ply" and bpy.app.version >= (5, 2)
+        assert (told in capfd.readouterr().err) == expected
