@@ -62,15 +62,15 @@ def unhooked(modifiers: Iterable[bpy.types.Modifier]) -> Iterator[None]:
 
 @contextmanager
 def off(modifiers: Collection[bpy.types.Modifier]) -> Iterator[None]:
-    """Have modifiers be off that are on, in renders too."""
-    before = [(item, item.show_viewport, item.show_render) for item in modifiers]
+    """Have modifiers be off that are on."""
+    on = [modifier for modifier in modifiers if modifier.show_viewport]
     try:
-        for item, *_ in before:
-            item.show_viewport = item.show_render = False
+        for modifier in on:
+            modifier.show_viewport = False
         yield
     finally:
-        for item, in_viewport, in_render in before:
-            item.show_viewport, item.show_render = in_viewport, in_render
+        for modifier in on:
+            modifier.show_viewport = True
 
 
 def _actions(

@@ -25,6 +25,7 @@ from .given import write_stl
 from .load import Source
 from .metres import in_metres
 from .moving_curves import moving_alone
+from .rendered import rendered_as_shown
 from .shown import Kept, shown
 from .textures import beside, folder_name
 
@@ -159,9 +160,10 @@ def _ensure_materials(place: Path, materials: Path) -> None:
     """Raise Torn if a material that is used is not whole."""
     with materials.open("rb") as file:
         lines = list(file)
-    defined = {line.split(None, 1)[1] for line in lines if line.startswith(b"newmtl ")}
+    defined = {line.removeprefix(b"newmtl ") for line in lines if line.startswith(b"newmtl ")}
     with place.open("rb") as file:
-        used = {line.split(None, 1)[1] for line in file if line.startswith(b"usemtl ")}
+        used = {line.removeprefix(b"usemtl ") for line in file if line.startswith(b"usemtl ")}
+    used -= {b"\n"}  # of an empty slot of what nodes make
     is_whole = used <= defined and (not lines or lines[-1].endswith(b"\n"))
     require(is_whole, "its materials are not all there")
 
@@ -172,9 +174,9 @@ def _export_ply(place: Path, export: Export) -> None:
         obj.data.has_custom_normals for obj in export.meshes
     )
     export.options["ascii_format"] = is_text(".ply", source)
-    # Blender 5.2 writes what will be rendered, so modifiers are applied before.
-    with shown(export.meshes, lambda _obj, _key: False, None, dress_of(".ply")):
-        export.call(place)
+    with export.dressed():
+        with rendered_as_shown():  # Blender 5.2 writes what is rendered
+            export.call(place)
         check(place)
         finish_ply.finish(place, source.digits, look, len(export.meshes) == 1)
 

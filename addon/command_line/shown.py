@@ -40,18 +40,18 @@ class Shape:
 def shown(
     objects: Sequence[bpy.types.Object],
     kept: Kept,
-    rigs: Collection[bpy.types.Object] | None,
+    rigs: Collection[bpy.types.Object],
     dress: Dress | None,
 ) -> Iterator[None]:
     """Have mesh objects hold copies of their meshes whose keys alone give what is seen.
 
     ``kept`` tells which keys stay keys, the others become part of the shape. Modifiers but those of
-    the armatures ``rigs`` are applied, and off meanwhile; None says that the format has no
-    armatures. ``dress`` makes the other changes to the copies that the format asks for.
+    the armatures ``rigs`` are applied, and off meanwhile. ``dress`` makes the other changes to the
+    copies that the format asks for.
     """
-    rigged = {item for obj in objects for item in armatures(obj) if item.object in (rigs or ())}
+    rigged = {item for obj in objects for item in armatures(obj) if item.object in rigs}
     posed = [obj.name for obj in objects if any(item not in rigged for item in armatures(obj))]
-    if posed and rigs is not None:
+    if posed:
         note(f"posed for good, as their armatures are not in the file: {listed(posed)}")
     applied = [item for obj in objects for item in obj.modifiers if item not in rigged]
     copies: dict[tuple, bpy.types.Mesh] = {}

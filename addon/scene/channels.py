@@ -55,9 +55,9 @@ class Animated:
         return Animated(self.user, self.user.action)
 
 
-def actions_of(keys: bpy.types.Key) -> list[Animated]:
-    """All actions that animate shape keys: the active one, and those of strips."""
-    animation = keys.animation_data
+def actions_of(data: bpy.types.ID) -> list[Animated]:
+    """All actions that animate shape keys or others: the active one, and those of strips."""
+    animation = data.animation_data
     if animation is None:
         return []
     strips = [strip for track in animation.nla_tracks for strip in _strips(track.strips)]

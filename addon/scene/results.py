@@ -23,6 +23,8 @@ from .whole import whole
 
 # Weights below that are taken out of a vertex group.
 NOTHING = 1e-6
+# Blender's own attributes that end it where they are of another type; 5.2 refuses none of them.
+OF_ONE_TYPE = {"material_index", "sharp_edge", "uv_seam"}
 THINGS = {"KEY": "shape key", "GROUP": "vertex group", "ATTRIBUTE": "attribute"}
 
 
@@ -166,7 +168,9 @@ def _add(obj: bpy.types.Object, piece: Piece, stem: str, label: str) -> str:
         group = obj.vertex_groups.new(name=name)
         obj.vertex_groups.active_index = active
         return group.name
-    attribute = obj.data.attributes.new(name, piece.data_type, piece.domain)
+    attribute = None
+    if name not in OF_ONE_TYPE:
+        attribute = obj.data.attributes.new(name, piece.data_type, piece.domain)
     if attribute is None:
         raise Refusal(f"Blender would have no attribute {name!r}; rename its source")
     return attribute.name

@@ -332,17 +332,17 @@ def test_keys_are_added_all_or_none(sphere):
     assert differences(before, contents()) == []
 
 
-@pytest.mark.skipif(bpy.app.version >= (5, 2), reason="this Blender refuses no name")
-def test_a_name_that_blender_refuses_is_told_and_nothing_is_written(sphere):
-    """Some attributes can be of one type alone."""
+@pytest.mark.parametrize("name", ["material_index", "sharp_edge", "uv_seam"])
+def test_a_name_that_blender_refuses_is_told_and_nothing_is_written(sphere, name):
+    """Some attributes can be of one type alone; of another they would end some versions."""
     results = import_module(f"{MODULE}.scene.results")
     refusal = import_module(f"{MODULE}.scene.objects").Refusal
     pieces = {
         label: results.Piece("ATTRIBUTE", np.zeros(len(VERTICES)), "FLOAT")
-        for label in ("fine", "material_index")
+        for label in ("fine", name)
     }
     before = contents()
-    with pytest.raises(refusal, match="material_index"):
+    with pytest.raises(refusal, match=name):
         results.write(sphere, "TEST", "", pieces, wanted=lambda _source, label: (label, ""))
     assert differences(before, contents()) == []
 

@@ -12,6 +12,7 @@ import pytest
 from command_line_files import QUICK, empty, exportable, load, meshes, run
 
 save = import_module("bl_ext.user_default.spectral_tv.command_line.save").save
+curves_in = import_module("bl_ext.user_default.spectral_tv.scene.animation").curves_of
 FORMATS = [suffix for suffix in exportable() if suffix not in (".usd", ".usda", ".usdz")]
 
 
@@ -103,6 +104,17 @@ def keyed_and_muted(obj):
     keys(obj)["Up"].mute = True
 
 
+def simplified(obj):
+    """The scene limits what is seen otherwise than what is rendered."""
+    subdivided(obj)
+    render = bpy.context.scene.render
+    render.use_simplify, render.simplify_subdivision, render.simplify_subdivision_render = (
+        True,
+        1,
+        0,
+    )
+
+
 def subdivided(obj):
     masked(obj)
     modifier = obj.modifiers.new("Subdivision", "SUBSURF")
@@ -165,10 +177,39 @@ def hidden(obj):
             bpy.context.object.hide_viewport = True
 
 
+def not_rendered(obj):
+    """Each is seen all the same."""
+    masked(obj)
+    obj.hide_render = True
+    bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0))
+    cube, collection = bpy.context.object, bpy.data.collections.new("Draft")
+    bpy.context.scene.collection.children.link(collection)
+    collection.objects.link(cube)
+    bpy.context.scene.collection.objects.unlink(cube)
+    collection.hide_render = True
+
+
+def animated_to_be_not_rendered(obj):
+    masked(obj)
+    obj.hide_render = True
+    obj.keyframe_insert("hide_render", frame=1)
+    bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0))
+    bpy.context.object.driver_add("hide_render").driver.expression = "1"
+
+
+def rendered_with_more(obj):
+    """By a modifier that is off in the viewport, beside one that is off in renders."""
+    masked(obj)
+    obj.modifiers.new("Solidify", "SOLIDIFY").show_viewport = False
+    modifier = obj.modifiers.new("Mirror", "MIRROR")
+    modifier.use_axis, modifier.show_render = (False, True, False), False
+
+
 POSES = [posed, posed_as_a_child, posed_by_a_hidden_rig, posed_and_subdivided]
 SCENES = [
-    masked, muted, pinned, chained, driven, keyed, keyed_and_muted, subdivided, mirrored, thick,
-    off, *POSES, hidden,
+    masked, muted, pinned, chained, driven, keyed, keyed_and_muted, subdivided, simplified,
+    mirrored, thick, off, *POSES, hidden, not_rendered,
+    animated_to_be_not_rendered, rendered_with_more,
 ]  # fmt: skip
 
 
@@ -206,6 +247,49 @@ def test_every_file_looks_like_the_screen(tmp_path: Path, capfd, scene):
         )
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".obj"])
+def test_curves_are_as_fine_as_on_the_screen(tmp_path: Path, suffix):
+    """Not as fine as they are rendered."""
+    relief()
+    bpy.ops.curve.primitive_bezier_circle_add(location=(5, 0, 0))
+    curve = bpy.context.object
+    curve.data.dimensions, curve.data.fill_mode = "3D", "FULL"
+    curve.data.bevel_depth = 0.1
+    curve.data.resolution_u, curve.data.render_resolution_u = 3, 7
+    curve.hide_render = True
+    graph = bpy.context.evaluated_depsgraph_get()
+    shape = curve.evaluated_get(graph)
+    points = np.array([shape.matrix_world @ vertex.co for vertex in shape.to_mesh().vertices])
+    expected = np.concatenate([seen(), points])
+    source, target = tmp_path / "scene.blend", tmp_path / f"out{suffix}"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    assert run(["decompose", str(source), "-o", str(target), *QUICK, "--gain", "all=1"]) == 0
+    load(target)
+    assert distance(expected, seen()) < 2e-6
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".obj"])
+def test_instances_are_as_the_screen_shows_them(tmp_path: Path, suffix):
+    """Of a collection that is not rendered, with a modifier that is finer in renders."""
+    relief()
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    modifier = cube.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = 1, 2
+    cube.hide_render = True
+    collection = bpy.data.collections.new("Draft")
+    collection.objects.link(cube)
+    bpy.context.scene.collection.objects.unlink(cube)
+    collection.hide_render = True
+    bpy.ops.object.collection_instance_add(collection="Draft", location=(5, 0, 0))
+    expected = points_shown()
+    source, target = tmp_path / "scene.blend", tmp_path / f"out{suffix}"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    assert run(["decompose", str(source), "-o", str(target), *QUICK, "--gain", "all=1"]) == 0
+    load(target)
+    assert distance(expected, seen()) < 2e-6
+
+
 @pytest.mark.skipif(".usda" not in exportable(), reason="this Blender is built without .usda")
 def test_a_still_pose_is_in_usd(tmp_path: Path):
     source, target = tmp_path / "scene.blend", tmp_path / "out.usda"
@@ -232,13 +316,23 @@ def test_a_limit_to_a_vertex_group_is_kept_in_every_format(tmp_path: Path):
         assert distance(shapes[".blend"], shape) < 2e-6, suffix
 
 
+def curves_of(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
+    """What animates an object, and what drives it."""
+    animation = obj.animation_data
+    if animation is None:
+        return []
+    action = animation.action
+    return [*animation.drivers, *(() if action is None else curves_in(obj) or ())]
+
+
 def described() -> list[str]:
     """All that there is: names, who holds what, settings of keys and modifiers, coordinates."""
     found = [f"{item.bl_rna.name} {item.name} {item.users}" for item in bpy.data.user_map()]
     for obj in bpy.context.scene.objects:
         found += [f"{obj.name} {obj.data and obj.data.name} {obj.hide_get()} {obj.hide_viewport}"]
+        found += [f"{obj.hide_render} {[curve.mute for curve in curves_of(obj)]}"]
         found += [f"{obj.select_get()} {obj.show_only_shape_key} {obj.matrix_world}"]
-        found += [f"{item.name} {item.show_viewport}" for item in obj.modifiers]
+        found += [f"{each.name} {each.show_viewport} {each.show_render}" for each in obj.modifiers]
         if obj.type == "MESH" and obj.data.shape_keys is not None:
             animation = obj.data.shape_keys.animation_data
             found += [str(animation and (animation.action, len(animation.drivers)))]
@@ -251,7 +345,7 @@ def described() -> list[str]:
 def test_writing_leaves_the_scene_as_it_was(tmp_path: Path):
     """The .blend that is saved after all other formats is the one that is saved before."""
     write_all = [suffix for suffix in FORMATS if suffix != ".blend"]
-    for scene in (keyed_and_muted, posed_and_subdivided, hidden):
+    for scene in (keyed_and_muted, posed_and_subdivided, hidden, animated_to_be_not_rendered):
         source = tmp_path / f"{scene.__name__}.blend"
         write(source, scene)
         read = load(source)
@@ -261,8 +355,8 @@ def test_writing_leaves_the_scene_as_it_was(tmp_path: Path):
             assert described() == before, suffix
 
 
-def test_instances_that_cannot_come_along_are_told(tmp_path: Path, capfd):
-    source = tmp_path / "in.blend"
+def scattered(path: Path) -> bpy.types.NodeTree:
+    """Write a .blend of cubes on the vertices of a relief, by nodes, and return these."""
     obj = relief()
     group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
     group.interface.new_socket("In", in_out="INPUT", socket_type="NodeSocketGeometry")
@@ -281,8 +375,50 @@ def test_instances_that_cannot_come_along_are_told(tmp_path: Path, capfd):
         group.links.new(node.outputs[0], join.inputs[0])
     group.links.new(join.outputs[0], end.inputs[0])
     obj.modifiers.new("Scatter", "NODES").node_group = group
-    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    return group
+
+
+def test_instances_that_cannot_come_along_are_told(tmp_path: Path, capfd):
+    source = tmp_path / "in.blend"
+    scattered(source)
     for suffix in (".glb", ".fbx"):
         target = tmp_path / f"out{suffix}"
         assert run(["decompose", str(source), "-o", str(target), *QUICK]) == 0
         assert "left out: instances that Grid shows" in capfd.readouterr().err
+
+
+def points_shown() -> np.ndarray:
+    """Where the vertices of all that is shown are in the world, instances too, (N, 3)."""
+    bpy.context.view_layer.update()
+    items = bpy.context.evaluated_depsgraph_get().object_instances
+    return np.array(
+        [
+            item.matrix_world @ vertex.co
+            for item in items
+            if item.show_self and item.object.type == "MESH"
+            for vertex in item.object.data.vertices
+        ]
+    )
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".obj"])
+def test_instances_of_nodes_are_as_the_screen_shows_them(tmp_path: Path, suffix):
+    source, target = tmp_path / "in.blend", tmp_path / f"out{suffix}"
+    scattered(source)
+    expected = points_shown()
+    assert run(["decompose", str(source), "-o", str(target), *QUICK, "--gain", "all=1"]) == 0
+    load(target)
+    assert distance(expected, seen()) < 2e-6
+
+
+def test_nodes_that_tell_renders_from_the_screen_are_told(tmp_path: Path, capfd):
+    """Where Blender writes what is rendered."""
+    source = tmp_path / "in.blend"
+    scattered(source).nodes.new("GeometryNodeIsViewport")
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    for suffix in (".ply", ".stl"):
+        assert run(["decompose", str(source), "-o", str(tmp_path / f"out{suffix}"), *QUICK]) == 0
+        told = "written as it is rendered, by the nodes that tell: Scatter"
+        expected = suffix == ".ply" and bpy.app.version >= (5, 2)
+        assert (told in capfd.readouterr().err) == expected
