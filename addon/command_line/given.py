@@ -103,7 +103,8 @@ class Given:
             if not self.obj.ends:
                 note("its last line has no end: it may have been cut short")
             if self.obj.groups:
-                note(f"left out, as Blender does not read them: groups ({listed(self.obj.groups)})")
+                # Blender ends where it reads groups and a face is in none.
+                note(f"left out, as they are not read: groups of faces ({listed(self.obj.groups)})")
             _sort(objects, self.obj, self.path.stem)
 
     def _tell_lost(self, meshes: Sequence[bpy.types.Mesh]) -> None:

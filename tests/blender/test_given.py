@@ -410,7 +410,7 @@ def test_groups_of_an_obj_are_told(tmp_path: Path, capfd):
     source = write_obj(tmp_path / "a.obj", *grid())
     source.write_text(source.read_text().replace("f ", "g Left arm\nf ", 1))
     error = told(source, tmp_path / "out.obj", capfd)
-    assert "left out, as Blender does not read them: groups (Left arm)" in error
+    assert "left out, as they are not read: groups of faces (Left arm)" in error
 
 
 def soup(gap: float) -> tuple[np.ndarray, list[list[int]]]:
