@@ -1,11 +1,20 @@
-"""Results that hold numbers and arrays alone; arrays are the caller's to change."""
+"""Results that hold numbers and arrays alone."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Numbers = NDArray[np.float64]
+
+
+class _Result:
+    """One whose arrays are copies, the caller's to change."""
+
+    def __getattribute__(self, name: str) -> Any:
+        value = super().__getattribute__(name)
+        return value.copy() if isinstance(value, np.ndarray) else value
 
 
 @dataclass(frozen=True)
@@ -46,7 +55,7 @@ class Findings:
 
     def as_dict(self) -> dict[str, int]:
         """All counts by their names."""
-        return {name: value for name, value in asdict(self).items() if name != "told"}
+        return {name: value for name, value in vars(self).items() if name != "told"}
 
     def __bool__(self) -> bool:
         return self.joined_corners + self.closed_junctions + self.dropped_vertices > 0
@@ -83,7 +92,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class Accuracy:
+class Accuracy(_Result):
     """How the errors of a decomposition fall with the number of steps, measured by `accuracy`.
 
     Those of the package's steps and transform, and under `paper_` those of the paper's: weights
@@ -124,7 +133,7 @@ class Accuracy:
 
 
 @dataclass(frozen=True, eq=False)
-class EigensetTest:
+class EigensetTest(_Result):
     """What a set C of vertices looks like as an eigenset, found by `eigenset_test`.
 
     Attributes
@@ -176,7 +185,7 @@ class EigensetTest:
 
 
 @dataclass(frozen=True, eq=False)
-class Deformation:
+class Deformation(_Result):
     """A deformed shape, made by `deform` or a `Deformer`.
 
     Attributes

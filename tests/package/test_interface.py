@@ -125,7 +125,7 @@ def test_facts_of_methods_are_those_that_decompose_goes_by():
             if name in facts.options:
                 spectral_tv.decompose(mesh, method, steps=4, **{name: value})
                 continue
-            with pytest.raises(spectral_tv.MeshError, match=f"^{name} is for the method"):
+            with pytest.raises(spectral_tv.MeshError, match=f"^{name} is an option of the method"):
                 spectral_tv.decompose(mesh, method, steps=4, **{name: value})
 
 

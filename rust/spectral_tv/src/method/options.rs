@@ -220,7 +220,7 @@ mod tests {
         let p = Choice::named("p").unwrap();
         p.set(&mut settings, Value::Count(2)).unwrap();
         let error = settings.check().unwrap_err().to_string();
-        assert_eq!(error, "p is for the method \"m2\" only");
+        assert_eq!(error, "p is an option of the method \"m2\" only");
         settings.method = Method::ConformalLaplace;
         assert!(settings.check().is_ok());
     }

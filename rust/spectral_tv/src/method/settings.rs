@@ -105,8 +105,9 @@ impl Settings {
         let default = Self::default();
         for option in OPTIONS {
             if !(option.applies)(self.method) && (option.get)(self) != (option.get)(&default) {
-                let (name, methods) = (option.name, named_where(option.applies, "or"));
-                return Err(Error::Argument(format!("{name} is for {methods} only")));
+                let (name, methods) = (option.name, named_where(option.applies, "and"));
+                let message = format!("{name} is an option of {methods} only");
+                return Err(Error::Argument(message));
             }
         }
         if self.base.is_some() && self.base_time.is_some() {
