@@ -5,11 +5,10 @@ use std::sync::Arc;
 use ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::method::{self, AccuracyRequest, Errors};
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
 use crate::parameters;
@@ -142,7 +141,7 @@ impl Pickled for Accuracy {
             true => Ok(Self { inner }),
             false => {
                 let message = "the parts of the accuracy have shapes that do not go together";
-                Err(Error::Argument(message.into()).into())
+                Err(refused(message))
             }
         }
     }
@@ -296,9 +295,9 @@ fn step_counts(steps: &Bound<'_, PyAny>) -> Result<Vec<usize>, Failure> {
     let counts = arrays::indices("steps", steps)?;
     let count = |&count: &i64| {
         usize::try_from(count)
-            .map_err(|_| Error::Argument(format!("steps must be at least 2, not {count}")))
+            .map_err(|_| refused(format!("steps must be at least 2, not {count}")))
     };
-    Ok(counts.iter().map(count).collect::<Result<_, _>>()?)
+    counts.iter().map(count).collect()
 }
 
 fn start<T: Send + 'static>(

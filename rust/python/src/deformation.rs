@@ -5,13 +5,12 @@ use std::sync::Arc;
 use ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Settings};
 use spectral_tv::memory::needs;
 use spectral_tv::mesh::TriangleMesh;
 
 use crate::arrays::{self, Vertices};
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
@@ -101,7 +100,7 @@ impl Pickled for Deformation {
         let vertices = parts.matrix("vertices")?;
         if vertices.nrows() != 3 {
             let message = "the vertices of a deformation have three coordinates";
-            return Err(Error::Argument(message.into()).into());
+            return Err(refused(message));
         }
         Ok(Self {
             vertices,
@@ -326,10 +325,9 @@ fn parse_algorithm(name: &str) -> Result<Algorithm, Failure> {
         "harmonic" => Ok(Algorithm::Harmonic),
         "biharmonic" => Ok(Algorithm::Biharmonic),
         "arap" => Ok(Algorithm::AsRigidAsPossible),
-        other => Err(Error::Argument(format!(
+        other => Err(refused(format!(
             "algorithm must be \"convex\", \"paper\", \"harmonic\", \"biharmonic\" or \"arap\", \
              not {other:?}"
-        ))
-        .into()),
+        ))),
     }
 }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use spectral_tv::{Error, eigenset};
+use spectral_tv::eigenset;
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::job::{Convert, Job, Task};
 use crate::mesh::Mesh;
 use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
@@ -154,7 +154,7 @@ impl Pickled for EigensetTest {
         };
         match inner.times.len() == inner.values.len() {
             true => Ok(Self { inner }),
-            false => Err(Error::Argument("there must be a value at each time".into()).into()),
+            false => Err(refused("there must be a value at each time")),
         }
     }
 }

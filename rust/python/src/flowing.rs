@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::flow::{Heat, Law, TotalVariation, conformal_mean_curvature_flow};
 use spectral_tv::memory::needs;
 use spectral_tv::method::{require_flow, run_flow};
@@ -12,7 +11,7 @@ use spectral_tv::operators::{self, Discretization};
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::flow::{Flow, Layout};
 use crate::job::{Convert, Job, Task, guarded};
 use crate::mesh::Mesh;
@@ -148,7 +147,7 @@ fn start<T: Send + 'static>(
         "heat" => false,
         other => {
             let message = format!("operator must be \"tv\" or \"heat\", not {other:?}");
-            return Err(Error::Argument(message).into());
+            return Err(refused(message));
         }
     };
     let mesh = Arc::clone(&mesh.inner);

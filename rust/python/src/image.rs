@@ -1,12 +1,11 @@
 //! The functions that decompose an image.
 
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::image::{self, Image, Metric, Settings};
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::flow::{Flow, Layout};
 use crate::job::{Convert, Job, Task};
 use crate::parameters;
@@ -124,7 +123,7 @@ pub fn start_decompose_image(
 }
 
 fn parse_metric(metric: &str, height: f64) -> Result<Metric, Failure> {
-    let refuse = |message: String| Err(Error::Argument(message).into());
+    let refuse = |message: String| Err(refused(message));
     match metric {
         "flat" => Ok(Metric::Flat),
         "surface" if height > 0.0 && height <= 1e100 => Ok(Metric::Surface { height }),

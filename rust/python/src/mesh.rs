@@ -7,13 +7,12 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
-use spectral_tv::Error;
 use spectral_tv::memory::needs;
 use spectral_tv::mesh::{Broken, Repair, TriangleMesh};
 use spectral_tv::monitor::Stage;
 
 use crate::arrays;
-use crate::error::{Failure, MeshWarning};
+use crate::error::{Failure, MeshWarning, refused};
 use crate::findings::Findings;
 use crate::job::guarded;
 use crate::parameters::Number;
@@ -222,9 +221,9 @@ fn read_weld_map(map: &[i64]) -> Result<Vec<Option<u32>>, Failure> {
         -1 => Ok(None),
         place => u32::try_from(place)
             .map(Some)
-            .map_err(|_| Error::Argument(format!("weld_map must have places or -1, not {place}"))),
+            .map_err(|_| refused(format!("weld_map must have places or -1, not {place}"))),
     };
-    Ok(map.iter().map(place).collect::<Result<_, _>>()?)
+    map.iter().map(place).collect()
 }
 
 /// Claims what making a mesh takes, and welding it with a length above 0.
@@ -255,11 +254,11 @@ fn length(weld: &Bound<'_, PyAny>) -> PyResult<f64> {
 }
 
 /// The argument `broken`.
-fn what_becomes_of_broken(broken: &str) -> Result<Broken, Error> {
+fn what_becomes_of_broken(broken: &str) -> Result<Broken, Failure> {
     match broken {
         "refuse" => Ok(Broken::Refuse),
         "drop" => Ok(Broken::Drop),
-        _ => Err(Error::Argument(format!(
+        _ => Err(refused(format!(
             "broken must be \"refuse\" or \"drop\", not \"{broken}\""
         ))),
     }

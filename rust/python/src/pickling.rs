@@ -8,7 +8,6 @@ use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spectral_tv::Error;
 
 use crate::accuracy::Accuracy;
 use crate::arrays;
@@ -16,7 +15,7 @@ use crate::decomposition::Decomposition;
 use crate::deformation::Deformation;
 use crate::deformer::Deformer;
 use crate::eigenset::EigensetTest;
-use crate::error::{Failure, MeshError};
+use crate::error::{Failure, MeshError, refused};
 use crate::estimate::Estimate;
 use crate::findings::Findings;
 use crate::flow::Flow;
@@ -158,6 +157,6 @@ pub fn _restore<'py>(
         Findings::NAME => made::<Findings>(py, parts),
         Flow::NAME => made::<Flow>(py, parts),
         Mesh::NAME => made::<Mesh>(py, parts),
-        other => Err(Error::Argument(format!("spectral_tv pickles no {other:?}")).into()),
+        other => Err(refused(format!("spectral_tv pickles no {other:?}"))),
     }
 }

@@ -3,14 +3,13 @@
 use ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
-use spectral_tv::Error;
 use spectral_tv::flow::Weights;
 use spectral_tv::method::{self, Base, Method, Metric, Scheme, Settings, Steps, relative_scales};
 use spectral_tv::minimization::check_tolerance;
 use spectral_tv::solver::Solver;
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::job::guarded;
 use crate::parameters::{self, Number};
 
@@ -72,30 +71,30 @@ impl<'a> Request<'a, '_> {
     fn method(&self) -> Result<Method, Failure> {
         if !(1..=3).contains(&self.p) {
             let message = format!("p must be 1, 2 or 3, not {}", self.p);
-            return Err(Error::Argument(message).into());
+            return Err(refused(message));
         }
         if self.eigenpairs == 0 {
-            return Err(Error::Argument("eigenpairs must be at least 1".into()).into());
+            return Err(refused("eigenpairs must be at least 1"));
         }
         let has_base = matches!(self.method, "m3" | "displacement");
         if (self.base.is_some() || self.base_time.is_some()) && !has_base {
             let message = "base and base_time are for the methods \"m3\" and \"displacement\" only";
-            return Err(Error::Argument(message.into()).into());
+            return Err(refused(message));
         }
         if self.base.is_some() && self.base_time.is_some() {
             let message = "base_time smooths the mesh itself, so it does not go with base";
-            return Err(Error::Argument(message.into()).into());
+            return Err(refused(message));
         }
         let metric = match self.metric {
             "surface" => Metric::Surface,
             "base" if self.method == "m3" => Metric::Base,
             "base" => {
                 let message = "the metric \"base\" is for the method \"m3\" only";
-                return Err(Error::Argument(message.into()).into());
+                return Err(refused(message));
             }
             other => {
                 let message = format!("metric must be \"surface\" or \"base\", not {other:?}");
-                return Err(Error::Argument(message).into());
+                return Err(refused(message));
             }
         };
         match self.method {
@@ -111,11 +110,10 @@ impl<'a> Request<'a, '_> {
                 eigenpairs: self.eigenpairs,
             }),
             "displacement" => Ok(Method::Displacement { base: self.base()? }),
-            other => Err(Error::Argument(format!(
+            other => Err(refused(format!(
                 "method must be \"m1\", \"m2\", \"m3\", \"naive\", \"heat\", \"lb\" or \
                  \"displacement\", not {other:?}"
-            ))
-            .into()),
+            ))),
         }
     }
 
@@ -209,10 +207,9 @@ pub fn scheme(name: &str, tolerance: f64) -> Result<Scheme, Failure> {
         "lagged" => Ok(Scheme::SemiImplicit(Weights::Lagged)),
         "extrapolated" => Ok(Scheme::SemiImplicit(Weights::Extrapolated)),
         "exact" => Ok(Scheme::Exact { tolerance }),
-        other => Err(Error::Argument(format!(
+        other => Err(refused(format!(
             "scheme must be \"lagged\", \"extrapolated\" or \"exact\", not {other:?}"
-        ))
-        .into()),
+        ))),
     }
 }
 
@@ -222,10 +219,9 @@ pub fn solver(name: &str) -> Result<Solver, Failure> {
         "auto" => Ok(Solver::Auto),
         "cholesky" => Ok(Solver::Cholesky),
         "multigrid" => Ok(Solver::Multigrid),
-        other => Err(Error::Argument(format!(
+        other => Err(refused(format!(
             "solver must be \"auto\", \"cholesky\" or \"multigrid\", not {other:?}"
-        ))
-        .into()),
+        ))),
     }
 }
 

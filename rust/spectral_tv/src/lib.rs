@@ -27,4 +27,4 @@ pub mod segmentation;
 pub mod solver;
 pub mod spectral;
 
-pub use error::{Error, Result};
+pub use error::{ArgumentError, Error, Fault, Result};

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, Axis};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::{TotalVariation, Trajectory};
 use crate::image::grid::{COVER, Metric, TRIANGLES, grid};
 use crate::memory::needs;
@@ -42,12 +42,18 @@ impl Image {
     }
 
     fn check(&self) -> Result<()> {
-        match self.values.indexed_iter().find(|(_, v)| !v.is_finite()) {
-            Some(((channel, pixel), value)) => Err(Error::Argument(format!(
-                "the pixel in row {}, column {}, channel {channel}, is not finite: {value}",
-                pixel / self.columns,
-                pixel % self.columns
-            ))),
+        match self
+            .values
+            .indexed_iter()
+            .find(|(_, v)| !has_usable_size(**v))
+        {
+            Some(((channel, pixel), value)) => Err(ArgumentError::non_finite("image", value)
+                .called(format!(
+                    "the pixel in row {}, column {}, channel {channel},",
+                    pixel / self.columns,
+                    pixel % self.columns
+                ))
+                .into()),
             None => Ok(()),
         }
     }

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{
     Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow, without,
 };
@@ -103,7 +103,7 @@ pub fn decompose(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Resu
     if matches!(settings.steps, Steps::Accuracy(_)) && !has_steps {
         let message =
             "accuracy is for methods that take time steps, not \"lb\" or \"displacement\"";
-        return Err(Error::Argument(message.into()));
+        return Err(ArgumentError::inapplicable("accuracy", message).into());
     }
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
@@ -213,7 +213,7 @@ fn by_base(
 ) -> Result<Trajectory> {
     if settings.times.is_some() {
         let message = "times are not for the method \"displacement\", which has one band";
-        return Err(Error::Argument(message.into()));
+        return Err(ArgumentError::inapplicable("times", message).into());
     }
     let shape = base.shape(mesh, operators, settings.solver, stage)?;
     let time = base.duration(mesh.area());
@@ -276,5 +276,6 @@ pub fn require_flow(
 }
 
 fn no_exact_steps() -> Error {
-    Error::Argument("exact steps exist for total-variation flows only (naive, m1, m3)".into())
+    let reason = "exact steps exist for total-variation flows only (naive, m1, m3)";
+    ArgumentError::inapplicable("scheme", reason).into()
 }

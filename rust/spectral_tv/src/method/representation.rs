@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, Axis};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
 use crate::mesh::TriangleMesh;
 use crate::method::{Displacement, Method, Metric, Settings};
@@ -86,7 +86,7 @@ impl Representation {
             }
             Method::LaplaceBeltrami { .. } | Method::Displacement { .. } => {
                 let message = "the methods \"lb\" and \"displacement\" take no time steps";
-                return Err(Error::Argument(message.into()));
+                return Err(ArgumentError::inapplicable("steps", message).into());
             }
         };
         Ok(Self {
