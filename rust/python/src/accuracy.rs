@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spectral_tv::Error;
 use spectral_tv::method::{self, AccuracyRequest};
 use spectral_tv::monitor::Stage;
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::job::Job;
 use crate::mesh::Mesh;
 use crate::parameters;
@@ -60,7 +59,7 @@ fn step_counts(steps: &Bound<'_, PyAny>) -> Result<Vec<usize>, Failure> {
     let counts = arrays::indices("steps", steps)?;
     let count = |&count: &i64| {
         usize::try_from(count)
-            .map_err(|_| Error::Argument(format!("steps must be at least 2, not {count}")))
+            .map_err(|_| refused(format!("steps must be at least 2, not {count}")))
     };
-    Ok(counts.iter().map(count).collect::<Result<_, _>>()?)
+    counts.iter().map(count).collect()
 }

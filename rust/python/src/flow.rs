@@ -5,13 +5,13 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use spectral_tv::flow::{Increment, Trajectory};
+use spectral_tv::memory;
 use spectral_tv::memory::needs;
 use spectral_tv::monitor::Stage;
 use spectral_tv::spectral::{SpectralTransform, even_edges};
-use spectral_tv::{Error, memory};
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::job::{Task, guarded};
 use crate::parameters;
 use crate::pickling::{Parts, Pickled, Writer};
@@ -294,7 +294,7 @@ impl Pickled for Flow {
             )),
             false => {
                 let message = "the parts of the flow have shapes that do not go together";
-                Err(Error::Argument(message.into()).into())
+                Err(refused(message))
             }
         }
     }
@@ -330,7 +330,7 @@ pub fn read_trajectory(parts: &Parts<'_>) -> Result<Trajectory, Failure> {
     let written: Vec<Bound<'_, PyAny>> = parts.value("increments")?;
     if units.len() != written.len() {
         let message = "the parts of the flow have numbers that do not go together";
-        return Err(Error::Argument(message.into()).into());
+        return Err(refused(message));
     }
     let mut increments = memory::vector(written.len(), "a flow", "free some memory")?;
     for (written, &unit) in written.iter().zip(&units) {

@@ -8,13 +8,13 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
+use spectral_tv::Named;
 use spectral_tv::memory::needs;
 use spectral_tv::mesh::{self, Broken, Repair, TriangleMesh};
 use spectral_tv::monitor::Stage;
-use spectral_tv::{Error, Named};
 
 use crate::arrays;
-use crate::error::{Failure, MeshWarning};
+use crate::error::{Failure, MeshWarning, refused};
 use crate::job::guarded;
 use crate::parameters::Number;
 use crate::pickling::{Parts, Pickled, Writer};
@@ -213,9 +213,9 @@ fn read_weld_map(map: &[i64]) -> Result<Vec<Option<u32>>, Failure> {
         -1 => Ok(None),
         place => u32::try_from(place)
             .map(Some)
-            .map_err(|_| Error::Argument(format!("weld_map must have places or -1, not {place}"))),
+            .map_err(|_| refused(format!("weld_map must have places or -1, not {place}"))),
     };
-    Ok(map.iter().map(place).collect::<Result<_, _>>()?)
+    map.iter().map(place).collect()
 }
 
 /// Claims what making a mesh takes, and welding it with a length above 0.

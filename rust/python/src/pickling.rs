@@ -8,12 +8,11 @@ use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spectral_tv::Error;
 
 use crate::arrays;
 use crate::decomposition::Decomposition;
 use crate::deformer::Deformer;
-use crate::error::{Failure, MeshError};
+use crate::error::{Failure, MeshError, refused};
 use crate::flow::Flow;
 use crate::mesh::Mesh;
 
@@ -47,7 +46,7 @@ macro_rules! pickled {
                 return reduced(object.py(), object.get());
             })+
             let class = object.get_type().name()?;
-            Err(Error::Argument(format!("spectral_tv pickles no {class}")).into())
+            Err(refused(format!("spectral_tv pickles no {class}")))
         }
 
         fn restored<'py>(class: &str, parts: Bound<'py, PyDict>) -> Result<Bound<'py, PyAny>, Failure> {
@@ -57,7 +56,7 @@ macro_rules! pickled {
                     let class = $class::NAME;
                     Ok($class::read(py, &Parts { class, parts })?.into_bound_py_any(py)?)
                 })+
-                other => Err(Error::Argument(format!("spectral_tv pickles no {other:?}")).into()),
+                other => Err(refused(format!("spectral_tv pickles no {other:?}"))),
             }
         }
     };

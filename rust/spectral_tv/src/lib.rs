@@ -28,5 +28,5 @@ pub mod segmentation;
 pub mod solver;
 pub mod spectral;
 
-pub use error::{Error, Result};
+pub use error::{ArgumentError, Error, Fault, Result};
 pub use named::Named;

@@ -1,6 +1,6 @@
 //! Choices by the names that arguments, files and front ends have for them.
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 
 /// A choice between variants with names.
 pub trait Named: Copy + PartialEq + 'static {
@@ -24,8 +24,8 @@ pub trait Named: Copy + PartialEq + 'static {
         let found = Self::NAMES.iter().find(|(_, known)| *known == name);
         found.map(|(variant, _)| *variant).ok_or_else(|| {
             let names: Vec<_> = Self::NAMES.iter().map(|(_, known)| *known).collect();
-            let (argument, known) = (Self::ARGUMENT, quoted(&names, "or"));
-            Error::Argument(format!("{argument} must be {known}, not {name:?}"))
+            let rule = format!("must be {}", quoted(&names, "or"));
+            ArgumentError::value(Self::ARGUMENT, rule, format_args!("{name:?}")).into()
         })
     }
 }

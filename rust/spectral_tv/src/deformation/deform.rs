@@ -8,7 +8,7 @@ use crate::deformation::deformer::{Deformer, require};
 use crate::deformation::problem::Problem;
 use crate::deformation::quadratic::{biharmonic, harmonic};
 use crate::deformation::reweighted::reweighted;
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
@@ -85,7 +85,7 @@ pub struct Deformation {
 /// # Errors
 /// If the targets do not fit the constraints (their number; finite; no two for one vertex), the
 /// tolerance is not in (0, 1), softness is negative or goes with another algorithm than the
-/// convex one, a system cannot be solved; or [`Error::Cancelled`].
+/// convex one, a system cannot be solved; or [`crate::Error::Cancelled`].
 pub fn deform(
     mesh: &TriangleMesh,
     constraints: Constraints,
@@ -104,9 +104,11 @@ pub fn deform(
         return deformer.solve(targets, tolerance, stage);
     }
     if softness != 0.0 {
-        return Err(Error::Argument(
-            "softness is for the convex algorithm only".into(),
-        ));
+        return Err(ArgumentError::inapplicable(
+            "softness",
+            "softness is for the convex algorithm only",
+        )
+        .into());
     }
     let needed = needs::deformation_for_comparison(needs::Size::of(mesh));
     require(needed, mesh, stage)?;

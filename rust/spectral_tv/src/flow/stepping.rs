@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Error, Result};
 use crate::flow::law::Law;
 use crate::flow::proximal::proximal_flow;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
@@ -135,5 +135,6 @@ impl Stepping {
 }
 
 pub(crate) fn no_exact_steps() -> Error {
-    Error::Argument("exact steps exist for total-variation flows only (naive, m1, m3)".into())
+    let reason = "exact steps exist for total-variation flows only (naive, m1, m3)";
+    ArgumentError::inapplicable("scheme", reason).into()
 }

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, Axis};
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::{Stepping, TotalVariation, Trajectory};
 use crate::image::grid::{COVER, Metric, TRIANGLES, grid};
 use crate::memory::needs;
@@ -41,12 +41,18 @@ impl Image {
     }
 
     fn check(&self) -> Result<()> {
-        match self.values.indexed_iter().find(|(_, v)| !v.is_finite()) {
-            Some(((channel, pixel), value)) => Err(Error::Argument(format!(
-                "the pixel in row {}, column {}, channel {channel}, is not finite: {value}",
-                pixel / self.columns,
-                pixel % self.columns
-            ))),
+        match self
+            .values
+            .indexed_iter()
+            .find(|(_, v)| !has_usable_size(**v))
+        {
+            Some(((channel, pixel), value)) => Err(ArgumentError::non_finite("image", value)
+                .called(format!(
+                    "the pixel in row {}, column {}, channel {channel},",
+                    pixel / self.columns,
+                    pixel % self.columns
+                ))
+                .into()),
             None => Ok(()),
         }
     }
@@ -88,10 +94,8 @@ impl Settings {
         self.stepping.check()?;
         match self.metric {
             Metric::Surface if !(self.height > 0.0 && has_usable_size(self.height)) => {
-                Err(Error::Argument(format!(
-                    "height must be above 0 and at most 1e100, not {:?}",
-                    self.height
-                )))
+                let rule = "must be above 0 and at most 1e100";
+                Err(ArgumentError::value("height", rule, format_args!("{:?}", self.height)).into())
             }
             _ => Ok(()),
         }
@@ -119,7 +123,7 @@ pub fn decompose_image(image: &Image, settings: &Settings) -> Result<(Trajectory
 /// [`decompose_image`], watched: `stage` tells how far it is, and cancels it.
 ///
 /// # Errors
-/// As [`decompose_image`], or [`Error::Cancelled`].
+/// As [`decompose_image`], or [`crate::Error::Cancelled`].
 pub fn decompose_image_with(
     image: &Image,
     settings: &Settings,

@@ -10,7 +10,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
 use crate::named::named;
 
@@ -44,9 +44,13 @@ pub(super) fn grid(
     scale: f64,
 ) -> Result<TriangleMesh> {
     if rows < 2 || columns < 2 {
-        return Err(Error::Argument(format!(
-            "the image must have at least 2 × 2 pixels, not {rows} × {columns}"
-        )));
+        return Err(ArgumentError::value(
+            "image",
+            "must have at least 2 × 2 pixels",
+            format_args!("{rows} × {columns}"),
+        )
+        .called("the image")
+        .into());
     }
     let place = |pixel: usize| [(pixel % columns) as f64, (pixel / columns) as f64, 0.0];
     let vertices = (0..rows * columns).map(place).collect();

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::mesh::open_edges::{OpenEdge, vertices_of};
 
 /// Counts of what was found in a mesh, and done about it, when it was read.
@@ -68,7 +68,10 @@ impl Findings {
     pub fn of_counts(count: impl Fn(&str) -> Option<usize>) -> Result<Self> {
         let mut found = Self::default();
         for (name, of) in COUNTS {
-            let missing = || Error::Argument(format!("findings must have a count {name:?}"));
+            let missing = || {
+                let reason = format!("findings must have a count {name:?}");
+                ArgumentError::empty("findings", reason)
+            };
             *of(&mut found) = count(name).ok_or_else(missing)?;
         }
         Ok(found)

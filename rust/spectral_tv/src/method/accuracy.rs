@@ -8,7 +8,7 @@
 
 use ndarray::{Array2, Axis};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{Scheme, check_steps, velocity};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
@@ -74,11 +74,11 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
         settings, steps, ..
     } = request;
     let Some(&most) = steps.iter().max() else {
-        return Err(Error::Argument("steps must have at least one value".into()));
+        return Err(ArgumentError::empty("steps", "steps must have at least one value").into());
     };
     if request.refinement < 2 {
-        let message = format!("refinement must be at least 2, not {}", request.refinement);
-        return Err(Error::Argument(message));
+        let found = request.refinement;
+        return Err(ArgumentError::value("refinement", "must be at least 2", found).into());
     }
     let times = |steps: usize| match request.scales {
         Some((finest, largest)) => graded_times(finest, largest, steps),
@@ -90,8 +90,7 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
     }
     for &count in steps {
         if count < 2 {
-            let message = format!("steps must be at least 2, not {count}");
-            return Err(Error::Argument(message));
+            return Err(ArgumentError::value("steps", "must be at least 2", count).into());
         }
         check_steps(count)?;
     }

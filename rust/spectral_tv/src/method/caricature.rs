@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::requirements::decomposition_memory_of;
@@ -38,23 +38,29 @@ impl Exaggeration {
 
     fn check(&self) -> Result<()> {
         if !(0.0 <= self.from && self.from < self.to && has_usable_size(self.to)) {
-            return Err(Error::Argument(format!(
-                "band must be two increasing numbers from 0 to 1e100, not {:?} and {:?}",
-                self.from, self.to
-            )));
+            return Err(ArgumentError::value(
+                "band",
+                "must be two increasing numbers from 0 to 1e100",
+                format_args!("{:?} and {:?}", self.from, self.to),
+            )
+            .into());
         }
         if !(self.smooth >= 0.0 && has_usable_size(self.smooth)) {
-            return Err(Error::Argument(format!(
-                "smooth must be 0 or more and at most 1e100, not {:?}",
-                self.smooth
-            )));
+            return Err(ArgumentError::value(
+                "smooth",
+                "must be 0 or more and at most 1e100",
+                format_args!("{:?}", self.smooth),
+            )
+            .into());
         }
         match has_usable_size(self.gain) {
             true => Ok(()),
-            false => Err(Error::Argument(format!(
-                "gain must be finite and at most 1e100 in size, not {:?}",
-                self.gain
-            ))),
+            false => Err(ArgumentError::value(
+                "gain",
+                "must be finite and at most 1e100 in size",
+                format_args!("{:?}", self.gain),
+            )
+            .into()),
         }
     }
 }

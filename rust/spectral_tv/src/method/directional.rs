@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayView2, Axis};
 
-use crate::error::{Error, Result, has_usable_size, unusable_values};
+use crate::error::{ArgumentError, Error, Result, has_usable_size, unusable_values};
 use crate::flow::conformal_mean_curvature_flow;
 use crate::mesh::TriangleMesh;
 use crate::method::outward::outward_signs;
@@ -74,19 +74,26 @@ impl Base {
             Self::ConformalFlow { .. } => {
                 let duration = self.duration(mesh.area());
                 if !(duration > 0.0 && has_usable_size(duration)) {
-                    return Err(Error::Argument(format!(
-                        "base_time must be positive and at most 1e100, not {duration:?}"
-                    )));
+                    return Err(ArgumentError::value(
+                        "base.time",
+                        "must be positive and at most 1e100",
+                        format_args!("{duration:?}"),
+                    )
+                    .into());
                 }
                 conformal_mean_curvature_flow(mesh, operators, duration, BASE_STEPS, solver, stage)
             }
             Self::Shape(shape) => {
                 if shape.dim() != (3, mesh.vertex_count()) {
-                    return Err(Error::Argument(format!(
-                        "base must have one position per vertex ({}), but has {}",
-                        mesh.vertex_count(),
-                        shape.ncols()
-                    )));
+                    return Err(ArgumentError::count(
+                        "base",
+                        format!(
+                            "must have one position per vertex ({})",
+                            mesh.vertex_count()
+                        ),
+                        shape.ncols(),
+                    )
+                    .into());
                 }
                 match unusable_values(shape.view()) {
                     Some((vertices, axis, value)) => Err(Error::NonFiniteBase {

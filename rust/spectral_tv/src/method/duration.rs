@@ -92,7 +92,8 @@ fn pace() -> Result<f64> {
     if let Some(&pace) = PACE.get() {
         return Ok(pace);
     }
-    let measure = || (1..4).try_fold(measured_pace()?, |pace, _| Ok(pace.min(measured_pace()?)));
+    let shorter = |pace: f64, _| Result::Ok(pace.min(measured_pace()?));
+    let measure = || (1..4).try_fold(measured_pace()?, shorter);
     // A small flow would not show what many threads are worth on a large one.
     let pace = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         Ok(single) => single.install(measure)?,

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Error, Result};
 use crate::flow::Scheme;
 use crate::method::{Method, Metric, Settings};
 use crate::named::Named;
@@ -110,7 +110,7 @@ trait Held: Sized {
 
     fn to_value(&self) -> Value;
 
-    fn from_value(name: &str, value: Value) -> Result<Self>;
+    fn from_value(name: &'static str, value: Value) -> Result<Self>;
 }
 
 /// A type whose values are held as they are.
@@ -123,7 +123,7 @@ macro_rules! held {
                 Value::$kind(self.clone())
             }
 
-            fn from_value(name: &str, value: Value) -> Result<Self> {
+            fn from_value(name: &'static str, value: Value) -> Result<Self> {
                 match value {
                     Value::$kind(value) => Ok(value),
                     other => Err(other_kind(name, Self::KIND, &other)),
@@ -142,13 +142,11 @@ impl Held for u32 {
         Value::Count(*self as usize)
     }
 
-    fn from_value(name: &str, value: Value) -> Result<Self> {
+    fn from_value(name: &'static str, value: Value) -> Result<Self> {
         let count = usize::from_value(name, value)?;
         let refuse = |_| {
-            let most = Self::MAX;
-            Error::Argument(format!(
-                "{name} must be an integer from 0 to {most}, not {count}"
-            ))
+            let rule = format!("must be an integer from 0 to {}", Self::MAX);
+            ArgumentError::value(name, rule, count).into()
         };
         Self::try_from(count).map_err(refuse)
     }
@@ -161,7 +159,7 @@ impl<T: Named> Held for T {
         Value::Name(self.name().into())
     }
 
-    fn from_value(name: &str, value: Value) -> Result<Self> {
+    fn from_value(name: &'static str, value: Value) -> Result<Self> {
         match value {
             Value::Name(text) => Self::named(&text),
             other => Err(other_kind(name, Self::KIND, &other)),
@@ -177,7 +175,7 @@ impl<T: Held> Held for Option<T> {
         self.as_ref().map_or(Value::None, Held::to_value)
     }
 
-    fn from_value(name: &str, value: Value) -> Result<Self> {
+    fn from_value(name: &'static str, value: Value) -> Result<Self> {
         match value {
             Value::None => Ok(None),
             value => T::from_value(name, value).map(Some),
@@ -185,8 +183,9 @@ impl<T: Held> Held for Option<T> {
     }
 }
 
-fn other_kind(name: &str, kind: Kind, found: &Value) -> Error {
-    Error::Argument(format!("{name} must be a {kind:?}, not {found:?}").to_lowercase())
+fn other_kind(name: &'static str, kind: Kind, found: &Value) -> Error {
+    let rule = format!("must be a {kind:?}").to_lowercase();
+    ArgumentError::value(name, rule, format_args!("{found:?}")).into()
 }
 
 #[cfg(test)]

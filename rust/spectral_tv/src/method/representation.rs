@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, Axis};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
 use crate::mesh::TriangleMesh;
 use crate::method::facts::named_where;
@@ -99,7 +99,7 @@ impl Representation {
 /// What a method is refused with where one is asked for that flows in steps.
 pub(super) fn no_time_steps() -> Error {
     let methods = named_where(|method| !method.facts().takes_steps(), "and");
-    Error::Argument(format!("{methods} take no time steps"))
+    ArgumentError::inapplicable("steps", format!("{methods} take no time steps")).into()
 }
 
 /// The triangles of `mesh` between the positions `shape` (3, V).

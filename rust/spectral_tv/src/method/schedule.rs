@@ -1,6 +1,6 @@
 //! Time nodes from the finest scale to the largest.
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::check_steps;
 
 /// N + 1 times from 0 to `largest` for N = `steps`, length²: t_k = c ((1 + t_N/c)^(k/N) − 1) with
@@ -12,10 +12,15 @@ use crate::flow::check_steps;
 pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>> {
     check_steps(steps)?;
     if !(0.0 < finest && finest < largest && has_usable_size(largest)) {
-        return Err(Error::Argument(format!(
-            "the finest scale must be above 0 and below the largest, and that at most 1e100, but \
-             they are {finest:e} and {largest:e}"
-        )));
+        return Err(ArgumentError::contradiction(
+            "finest",
+            &["largest"],
+            format!(
+                "the finest scale must be above 0 and below the largest, and that at most 1e100, \
+                 but they are {finest:e} and {largest:e}"
+            ),
+        )
+        .into());
     }
     let range = 1.0 + largest / finest;
     let time = |k: usize| finest * (range.powf(k as f64 / steps as f64) - 1.0);
@@ -23,10 +28,15 @@ pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>>
     let increase = times.windows(2).all(|pair| pair[0] < pair[1]);
     match increase && times[steps].is_finite() {
         true => Ok(times),
-        false => Err(Error::Argument(format!(
-            "no {steps} steps of finite length lead from the finest scale, {finest:e}, to the \
-             largest, {largest:e}"
-        ))),
+        false => Err(ArgumentError::contradiction(
+            "steps",
+            &["finest", "largest"],
+            format!(
+                "no {steps} steps of finite length lead from the finest scale, {finest:e}, to the \
+                 largest, {largest:e}"
+            ),
+        )
+        .into()),
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::flow::{Scheme, Stepping, check_steps};
 use crate::method::adaptive_steps::FEWEST_STEPS;
 use crate::method::facts::{Work, named_where};
@@ -90,11 +90,10 @@ impl Settings {
         let facts = self.method.facts();
         self.stepping.check()?;
         if !(1..=3).contains(&self.p) {
-            let message = format!("p must be 1, 2 or 3, not {}", self.p);
-            return Err(Error::Argument(message));
+            return Err(ArgumentError::value("p", "must be 1, 2 or 3", self.p).into());
         }
         if self.eigenpairs == 0 {
-            return Err(Error::Argument("eigenpairs must be at least 1".into()));
+            return Err(ArgumentError::value("eigenpairs", "must be at least 1", 0).into());
         }
         if let Some(accuracy) = self.accuracy {
             check_accuracy(accuracy)?;
@@ -107,12 +106,12 @@ impl Settings {
             if !(option.applies)(self.method) && (option.get)(self) != (option.get)(&default) {
                 let (name, methods) = (option.name, named_where(option.applies, "and"));
                 let message = format!("{name} is an option of {methods} only");
-                return Err(Error::Argument(message));
+                return Err(ArgumentError::inapplicable(name, message).into());
             }
         }
         if self.base.is_some() && self.base_time.is_some() {
             let message = "base_time smooths the mesh itself, so it does not go with base";
-            return Err(Error::Argument(message.into()));
+            return Err(ArgumentError::contradiction("base_time", &["base"], message).into());
         }
         match (self.accuracy, &self.times, facts.work) {
             (None, None, Work::Flow { .. } | Work::Eigenpairs) => check_steps(self.steps),
