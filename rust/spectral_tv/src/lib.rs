@@ -23,6 +23,7 @@ pub mod method;
 pub mod minimization;
 pub mod monitor;
 pub mod operators;
+mod parallel;
 pub mod segmentation;
 pub mod solver;
 pub mod spectral;
