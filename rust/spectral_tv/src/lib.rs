@@ -24,6 +24,7 @@ pub mod minimization;
 pub mod monitor;
 mod named;
 pub mod operators;
+mod parallel;
 pub mod segmentation;
 pub mod solver;
 pub mod spectral;

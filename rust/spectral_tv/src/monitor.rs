@@ -200,6 +200,15 @@ impl Stage<'_> {
         self.monitor.claim(needed, what, advice)
     }
 
+    /// Does one part of the work, unless cancelled before.
+    ///
+    /// # Errors
+    /// As [`Monitor::check`].
+    pub fn pass<T>(&self, work: impl FnOnce() -> T) -> Result<T> {
+        self.check()?;
+        Ok(work())
+    }
+
     /// Does `work` on every item, unless cancelled meanwhile: for passes over millions of them.
     ///
     /// # Errors

@@ -108,7 +108,6 @@ impl Deformer {
         }
         require(needs::deformation(needs::Size::of(mesh)), mesh, stage)?;
         let operators = Discretization::new(mesh, stage)?;
-        stage.check()?;
         Ok(Self {
             newton: PrimalDualNewton::new(&operators, 3, stage)?,
             state: Array2::zeros((3, mesh.vertex_count())),

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use ndarray::{Array2, ArrayView2};
-use rayon::prelude::*;
 
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::law::Law;
@@ -13,10 +12,8 @@ use crate::memory::needs;
 use crate::mesh::{TriangleMesh, barycentric_areas};
 use crate::monitor::Stage;
 use crate::operators::{Discretization, positions};
+use crate::parallel;
 use crate::solver::Solver;
-
-/// Faces that are worth handing to another thread.
-const CHUNK: usize = 1 << 12;
 
 /// Past extinction areas vanish and the systems turn singular; these keep them solvable.
 /// Relative to the initial shape.
@@ -56,10 +53,9 @@ impl ConformalLaplace {
 impl Law for ConformalLaplace {
     fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
         // The initial norm is √2 on every face, so the floor is relative to it.
-        let norms = gradient_norms.par_iter().with_min_len(CHUNK);
-        norms
-            .map(|norm| norm.max(WEIGHT_FLOOR).powi(self.exponent))
-            .collect()
+        parallel::map(gradient_norms, |norm| {
+            norm.max(WEIGHT_FLOOR).powi(self.exponent)
+        })
     }
 
     fn is_linear(&self) -> bool {
@@ -71,12 +67,9 @@ impl Law for ConformalLaplace {
     }
 
     fn masses(&self, values: ArrayView2<f64>) -> Option<Vec<f64>> {
-        let face_areas: Vec<f64> = self
-            .triangles
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map(|&corners| embedded_area(values, corners))
-            .collect();
+        let face_areas = parallel::map(&self.triangles[..], |&corners| {
+            embedded_area(values, corners)
+        });
         let mut masses = barycentric_areas(values.ncols(), &self.triangles, &face_areas);
         for (mass, floor) in masses.iter_mut().zip(&self.floors) {
             *mass = mass.max(*floor);

@@ -1,16 +1,13 @@
 //! What drives a step: the weights of a law at given gradients, and their Laplacian.
 
-use ndarray::{Array2, ArrayView2, Axis, Zip};
-use rayon::prelude::*;
+use ndarray::{Array2, ArrayView2, Zip};
 
 use crate::error::Result;
 use crate::flow::law::Law;
 use crate::flow::time_step::TimeStep;
 use crate::monitor::Stage;
 use crate::operators::{Discretization, SideBySide};
-
-/// Faces or vertices that one thread works on at a time.
-const CHUNK: usize = 1 << 13;
+use crate::parallel;
 
 /// L(w) with w of given gradients, and L(w) u of a state.
 pub(super) struct Force {
@@ -34,12 +31,10 @@ impl Force {
         state: &SideBySide,
         stage: Stage,
     ) -> Result<Self> {
-        stage.check()?;
-        let weights = law.weights(norms);
-        let couplings = operators.edges().couplings(&weights);
-        stage.check()?;
-        let flux = operators.edges().apply(&couplings, state);
-        stage.check()?;
+        let edges = operators.edges();
+        let weights = stage.pass(|| law.weights(norms))?;
+        let couplings = stage.pass(|| edges.couplings(&weights))?;
+        let flux = stage.pass(|| edges.apply(&couplings, state))?;
         Ok(Self {
             flux,
             weights,
@@ -74,41 +69,38 @@ impl Force {
         norms: &[f64],
         state: ArrayView2<f64>,
     ) -> f64 {
-        let chunks = self.flux.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
-        let distances = chunks.enumerate().map(|(chunk, flux)| {
+        let masses = operators.masses();
+        let distance = parallel::sum(masses.len(), |vertices| {
             let mut distance = 0.0;
+            let flux = parallel::columns(self.flux.view(), vertices.clone());
             for (channel, flux) in flux.rows().into_iter().enumerate() {
-                for (vertex, flux) in (chunk * CHUNK..).zip(flux) {
-                    let mass = operators.masses()[vertex];
+                for (vertex, flux) in vertices.clone().zip(flux) {
+                    let mass = masses[vertex];
                     let off = step.data[[channel, vertex]] - state[[channel, vertex]];
                     distance += 0.5 * (mass * off - step.tau * flux).powi(2) / mass;
                 }
             }
             distance
         });
-        let distance = distances.collect::<Vec<f64>>().iter().sum::<f64>();
         let areas = operators.gradient().face_areas();
-        let parts = (
-            norms.par_chunks(CHUNK),
-            self.weights.par_chunks(CHUNK),
-            areas.par_chunks(CHUNK),
-        );
-        let parts = parts.into_par_iter().map(|(norms, weights, areas)| {
-            let faces = norms.iter().zip(weights).zip(areas);
-            let terms = faces.map(|((n, w), area)| area * (n - w * n * n).max(0.0));
-            terms.sum::<f64>()
+        let excess = parallel::sum(areas.len(), |faces| {
+            let sizes = norms[faces.clone()]
+                .iter()
+                .zip(&self.weights[faces.clone()]);
+            let terms = sizes.zip(&areas[faces]);
+            terms
+                .map(|((n, w), area)| area * (n - w * n * n).max(0.0))
+                .sum()
         });
-        distance + step.tau * parts.collect::<Vec<_>>().iter().sum::<f64>()
+        distance + step.tau * excess
     }
 }
 
 /// Σ A n over the faces: TV from |∇u| = `norms`.
 pub(super) fn variation(operators: &Discretization, norms: &[f64]) -> f64 {
     let areas = operators.gradient().face_areas();
-    let parts = norms.par_chunks(CHUNK).zip(areas.par_chunks(CHUNK));
-    let parts = parts.map(|(norms, areas)| {
-        let terms = norms.iter().zip(areas).map(|(n, area)| n * area);
-        terms.sum::<f64>()
-    });
-    parts.collect::<Vec<_>>().iter().sum()
+    parallel::sum(areas.len(), |faces| {
+        let faces = norms[faces.clone()].iter().zip(&areas[faces]);
+        faces.map(|(n, area)| n * area).sum()
+    })
 }

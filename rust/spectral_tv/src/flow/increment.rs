@@ -1,12 +1,9 @@
 //! What a step changes, kept as precisely as it was solved for.
 
-use ndarray::parallel::prelude::*;
-use ndarray::{Array2, ArrayView2, Axis, Zip, aview0};
+use ndarray::{Array2, ArrayView2, Zip, aview0};
 
 use crate::error::has_usable_size;
-
-/// Vertices that one thread works on at a time.
-const CHUNK: usize = 1 << 13;
+use crate::parallel;
 
 /// How many digits of an increment are worth keeping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,14 +47,11 @@ impl Increment {
         if precision == Precision::Double {
             return Self::Double(both.par_map_collect(|now, before| now - before));
         }
-        let parts = now.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
-        let parts = parts.zip(before.axis_chunks_iter(Axis(1), CHUNK).into_par_iter());
-        let parts = parts.map(|(now, before)| {
-            Zip::from(now)
-                .and(before)
+        let largest = parallel::largest(now.ncols(), |vertices| {
+            Zip::from(parallel::columns(now, vertices.clone()))
+                .and(parallel::columns(before, vertices))
                 .fold(0.0_f64, |max, now, before| max.max((now - before).abs()))
         });
-        let largest = parts.reduce(|| 0.0, f64::max);
         let unit = if largest > 0.0 { largest } else { 1.0 };
         let values = both.par_map_collect(|now, before| ((now - before) / unit) as f32);
         Self::Single { values, unit }

@@ -180,12 +180,10 @@ impl Inverse {
             |face: usize| element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
         let mut system = operators.pattern().zeros();
         let mut factor = operators.pattern().cholesky(stage)?;
-        stage.check()?;
         let pattern = operators.pattern();
-        pattern.assemble(gradient, &diagonal, stiffness, &mut system);
+        stage.pass(|| pattern.assemble(gradient, &diagonal, stiffness, &mut system))?;
         factor.factorize(&system, stage)?;
-        stage.check()?;
-        let components = connected_components(mesh);
+        let components = stage.pass(|| connected_components(mesh))?;
         let mut component_masses = vec![0.0; component_count(&components)];
         for (&component, mass) in components.iter().zip(masses) {
             component_masses[component as usize] += mass;
@@ -226,9 +224,8 @@ impl Operator for Inverse {
     fn apply(&mut self, block: &mut Array2<f64>, stage: Stage) -> Result<()> {
         for mut rows in block.axis_chunks_iter_mut(Axis(0), TOGETHER) {
             let mut solutions = &rows * &self.roots;
-            self.factor.solve_in_place(&mut solutions);
+            stage.pass(|| self.factor.solve_in_place(&mut solutions))?;
             rows.assign(&(solutions * &self.roots));
-            stage.check()?;
         }
         Ok(())
     }

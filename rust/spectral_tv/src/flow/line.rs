@@ -1,12 +1,8 @@
 //! The law's energy along a line of states.
 
-use rayon::prelude::*;
-
 use crate::flow::law::Law;
 use crate::operators::{Gradient, SideBySide};
-
-/// Faces that one thread works on at a time.
-const CHUNK: usize = 1 << 13;
+use crate::parallel;
 
 /// Gradients of u + α δ, by what they are made of on every face.
 pub(super) struct Line<'a> {
@@ -37,25 +33,23 @@ impl<'a> Line<'a> {
 
     /// [`Self::slope`] for α = 0, given the `weights` there.
     pub fn slope_at_start(&self, weights: &[f64]) -> f64 {
-        let parts = weights
-            .par_chunks(CHUNK)
-            .enumerate()
-            .map(|(chunk, weights)| {
-                let faces = (chunk * CHUNK..).zip(weights);
-                let terms = faces.map(|(f, weight)| self.areas[f] * weight * self.products[f][0]);
-                terms.sum::<f64>()
-            });
-        parts.collect::<Vec<_>>().iter().sum()
+        parallel::sum(weights.len(), |faces| {
+            let sizes = self.areas[faces.clone()]
+                .iter()
+                .zip(&weights[faces.clone()]);
+            let faces = sizes.zip(&self.products[faces]);
+            faces
+                .map(|((area, weight), [along, _])| area * weight * along)
+                .sum()
+        })
     }
 
     /// d/dα Σ_f A Ψ(|∇(u + α δ)|), Ψ′(n) = n w(n).
     pub fn slope(&self, alpha: f64) -> f64 {
-        let parts = (
-            self.areas.par_chunks(CHUNK),
-            self.norms.par_chunks(CHUNK),
-            self.products.par_chunks(CHUNK),
-        );
-        let parts = parts.into_par_iter().map(|(areas, norms, products)| {
+        parallel::sum(self.areas.len(), |faces| {
+            let areas = &self.areas[faces.clone()];
+            let norms = &self.norms[faces.clone()];
+            let products = &self.products[faces];
             let faces = norms.iter().zip(products);
             let norms = faces.map(|(norm, [along, squared])| {
                 let change = alpha * (2.0 * along + alpha * squared);
@@ -66,8 +60,7 @@ impl<'a> Line<'a> {
             let terms = faces.map(|((area, weight), [along, squared])| {
                 area * weight * (along + alpha * squared)
             });
-            terms.sum::<f64>()
-        });
-        parts.collect::<Vec<_>>().iter().sum()
+            terms.sum()
+        })
     }
 }

@@ -12,15 +12,13 @@ use rayon::prelude::*;
 use crate::flow::time_step::TimeStep;
 use crate::mesh::{component_count, components_of};
 use crate::operators::Discretization;
-
-/// Vertices that one thread works on at a time.
-const CHUNK: usize = 1 << 13;
+use crate::parallel;
 
 const CONTIGUOUS: &str = "channels are contiguous";
 
 /// The components of a mesh.
 pub(super) struct Means {
-    /// Vertices that stand together in memory, at most [`CHUNK`], and their component.
+    /// Vertices that stand together in memory, few enough for one thread, and their component.
     runs: Vec<(Range<usize>, usize)>,
     count: usize,
 }
@@ -35,12 +33,12 @@ impl Means {
         let run = |of: &[u32]| {
             let start = end;
             end += of.len();
-            (start..end, of[0] as usize)
+            let component = of[0] as usize;
+            parallel::split(start..end).map(move |run| (run, component))
         };
-        let together = labels.chunk_by(|a, b| a == b);
         Self {
             count: component_count(&labels),
-            runs: together.flat_map(|of| of.chunks(CHUNK)).map(run).collect(),
+            runs: labels.chunk_by(|a, b| a == b).flat_map(run).collect(),
         }
     }
 

@@ -7,15 +7,13 @@ use ndarray::Array2;
 use rayon::prelude::*;
 
 use crate::flow::increment::Increment;
+use crate::parallel;
 
 /// Least fraction of a gradient that a prediction leaves.
 const LEAST_GRADIENT: f64 = 1e-3;
 /// Change of ln m beyond which a mass is not predicted: a limb that collapses within a step
 /// would be torn apart, its vertices losing their weight one here, one there.
 const LARGEST_MASS_CHANGE: f64 = 2.0;
-
-/// Faces or vertices that are worth handing to another thread.
-const CHUNK: usize = 1 << 12;
 
 /// A step may look ahead as far as the last one reaches back, in log t, and half as much again.
 const FARTHEST: f64 = 1.5;
@@ -70,8 +68,7 @@ pub(super) fn predicted_gradients(norms: &[f64], previous: &[f64], growth: f64) 
         let (now, before) = (now.sqrt(), before.sqrt());
         (now + growth * (now - before)).max(least * now).powi(2)
     };
-    let faces = norms.par_iter().zip(previous).with_min_len(CHUNK);
-    faces.map(predict).collect()
+    parallel::map(norms.par_iter().zip(previous), predict)
 }
 
 /// Vertex masses a step ahead, ⁴√m taken as linear in time, as a mass goes like the square of
@@ -83,8 +80,7 @@ pub(super) fn predicted_masses(masses: &[f64], previous: &[f64], growth: f64) ->
         let change = 4.0 * ahead.ln();
         mass * (change * (-(change / LARGEST_MASS_CHANGE).powi(2)).exp()).exp()
     };
-    let vertices = masses.par_iter().zip(previous).with_min_len(CHUNK);
-    vertices.map(predict).collect()
+    parallel::map(masses.par_iter().zip(previous), predict)
 }
 
 #[cfg(test)]

@@ -53,7 +53,6 @@ impl<'a> ProximalNewton<'a> {
         };
         let mut state = step.data.clone();
         for _ in 0..MOST_ITERATIONS {
-            stage.check()?;
             let variation = Variation::smoothed(self.epsilon);
             let energy = Energy {
                 operators: self.operators,
@@ -64,15 +63,14 @@ impl<'a> ProximalNewton<'a> {
                 tau: step.tau,
                 fixed: &[],
             };
-            let slope = energy.slope(state.view());
-            stage.check()?;
-            let descent = energy.descent(state.view(), &slope);
+            let slope = stage.pass(|| energy.slope(state.view()))?;
+            let descent = stage.pass(|| energy.descent(state.view(), &slope))?;
             let direction = self.newton.direction(&energy, &slope, &descent, stage)?;
             let length = energy.line_search(&slope, &direction, &descent, stage)?;
-            self.newton.update_dual(&energy, &slope, &direction);
-            stage.check()?;
+            stage.pass(|| self.newton.update_dual(&energy, &slope, &direction))?;
             state.scaled_add(length, &direction);
-            let gap = duality_gap(self.operators, step, state.view(), self.newton.dual());
+            let dual = self.newton.dual();
+            let gap = stage.pass(|| duality_gap(self.operators, step, state.view(), dual))?;
             if gap < best.gap {
                 best.gap = gap;
                 best.state.assign(&state);

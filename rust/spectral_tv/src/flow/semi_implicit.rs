@@ -71,9 +71,7 @@ pub fn semi_implicit_flow(
 ) -> Result<Trajectory> {
     // On a thread of the pool that the solver shares its work with.
     rayon::scope(|_| {
-        stage.check()?;
-        let mut record = Recorder::new(operators, initial, times)?;
-        stage.check()?;
+        let mut record = stage.pass(|| Recorder::new(operators, initial, times))??;
         let mut steps = StepSolver::new(operators, law, weights, record.state(), solver, stage)?;
         for k in 0..times.len() - 1 {
             stage.report(k as f64 / (times.len() - 1) as f64)?;
@@ -127,14 +125,10 @@ impl<'a> StepSolver<'a> {
         };
         let demand = weights.demand(initial.nrows());
         let magnifies = law.moves_masses() || initial.nrows() == 1;
-        let now = measured(operators, law, initial, &initial.into());
-        stage.check()?;
-        let means = Means::new(operators);
-        stage.check()?;
         Ok(Self {
             tolerance: if magnifies { FINE_TOLERANCE } else { TOLERANCE },
-            now,
-            means,
+            now: stage.pass(|| measured(operators, law, initial, &initial.into()))?,
+            means: stage.pass(|| Means::new(operators))?,
             operators,
             law,
             solver: operators.pattern().solver(solver, demand, stage)?,
@@ -186,8 +180,7 @@ impl<'a> StepSolver<'a> {
         dt: f64,
         guess: Option<Array2<f64>>,
     ) -> Result<(Solution, Measured<'a>)> {
-        self.stage.check()?;
-        let step = TimeStep::backward_euler(history, dt);
+        let step = self.stage.pass(|| TimeStep::backward_euler(history, dt))?;
         let force = match self.now.force.take() {
             Some(force) => force,
             None => self.force(&self.now.norms, &history.state.into())?,
@@ -204,7 +197,6 @@ impl<'a> StepSolver<'a> {
         dt: f64,
         guess: Option<Array2<f64>>,
     ) -> Result<(Solution, Measured<'a>)> {
-        self.stage.check()?;
         let mut norms = None;
         let mut masses = self.now.masses.clone();
         let step = match (history.usable(dt), &self.before) {
@@ -244,12 +236,11 @@ impl<'a> StepSolver<'a> {
     ) -> Result<Array2<f64>> {
         self.solver
             .set_matrix(masses, &force.couplings, step.tau, self.stage)?;
-        let residual = force.residual(step, masses, history.state);
-        self.stage.check()?;
+        let stage = self.stage;
+        let residual = stage.pass(|| force.residual(step, masses, history.state))?;
         let mut state = self.increment(&residual, step, masses, history.state, guess)?;
         let add = |value: &mut f64, start: &f64| *value += start;
-        Zip::from(&mut state).and(&history.state).par_for_each(add);
-        self.stage.check()?;
+        stage.pass(|| Zip::from(&mut state).and(&history.state).par_for_each(add))?;
         Ok(state)
     }
 
@@ -265,8 +256,8 @@ impl<'a> StepSolver<'a> {
         let is_exact = self.solver.is_exact();
         let (guess, tolerance) = (guess.as_ref(), self.tolerance);
         let mut increment = self.solver.solve(residual, guess, tolerance, self.stage)?;
-        self.stage.check()?;
-        let shift = self.means.restore(&mut increment, step, masses, start);
+        let restored = || self.means.restore(&mut increment, step, masses, start);
+        let shift = self.stage.pass(restored)?;
         if !is_exact && (shift.is_nan() || shift > LARGEST_SHIFT) {
             increment = self.solver.solve_exactly(residual, self.stage)?;
             self.means.restore(&mut increment, step, masses, start);
@@ -277,33 +268,25 @@ impl<'a> StepSolver<'a> {
     /// One descent step on the energy of the time step, preconditioned by the matrix at hand,
     /// with the best step length.
     fn correct(&mut self, step: &TimeStep, masses: &[f64], state: &mut Array2<f64>) -> Result<()> {
-        let gradient = self.operators.gradient();
-        let lanes = SideBySide::from(state.view());
-        let norms = gradient.norms(&lanes);
-        self.stage.check()?;
+        let (stage, law, gradient) = (self.stage, self.law, self.operators.gradient());
+        let lanes = stage.pass(|| SideBySide::from(state.view()))?;
+        let norms = stage.pass(|| gradient.norms(&lanes))?;
         let mut force = self.force(&norms, &lanes)?;
         let weights = std::mem::take(&mut force.weights);
-        let descent = force.residual(step, masses, state.view());
+        let descent = stage.pass(|| force.residual(step, masses, state.view()))?;
         let direction = self.increment(&descent, step, masses, state.view(), None)?;
-        let start = -inner_product(descent.view(), direction.view());
+        let start = stage.pass(|| -inner_product(descent.view(), direction.view()))?;
         drop(descent);
-        self.stage.check()?;
-        let direction_lanes = direction.view().into();
-        self.stage.check()?;
-        let line = Line::new(self.law, gradient, norms, &lanes, &direction_lanes);
-        self.stage.check()?;
+        let direction_lanes = stage.pass(|| direction.view().into())?;
+        let line = stage.pass(|| Line::new(law, gradient, norms, &lanes, &direction_lanes))?;
         drop((lanes, direction_lanes));
-        let quadratic = squared_norm(direction.view(), masses);
-        let linear = start - step.tau * line.slope_at_start(&weights);
+        let quadratic = stage.pass(|| squared_norm(direction.view(), masses))?;
+        let linear = start - step.tau * stage.pass(|| line.slope_at_start(&weights))?;
         drop(weights);
-        self.stage.check()?;
         let slope = |alpha: f64| linear + alpha * quadratic + step.tau * line.slope(alpha);
-        let length = least_along(start, slope);
-        self.stage.check()?;
+        let length = stage.pass(|| least_along(start, slope))?;
         let advance = |value: &mut f64, direction: &f64| *value += length * direction;
-        Zip::from(state).and(&direction).par_for_each(advance);
-        self.stage.check()?;
-        Ok(())
+        stage.pass(|| Zip::from(state).and(&direction).par_for_each(advance))
     }
 
     fn force(&self, norms: &[f64], state: &SideBySide) -> Result<Force> {
@@ -313,12 +296,13 @@ impl<'a> StepSolver<'a> {
     /// Measures a state and adds the duality gap of a TV step, for the dual field w ∇u.
     fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Result<(Solution, Measured<'a>)> {
         let lanes = state.view().into();
-        let mut next = measured(self.operators, self.law, state.view(), &lanes);
-        self.stage.check()?;
+        let measured = || measured(self.operators, self.law, state.view(), &lanes);
+        let mut next = self.stage.pass(measured)?;
         let mut gap = 0.0;
         if self.law.is_total_variation() {
             let force = self.force(&next.norms, &lanes)?;
-            gap = force.gap(self.operators, step, &next.norms, state.view());
+            let found = || force.gap(self.operators, step, &next.norms, state.view());
+            gap = self.stage.pass(found)?;
             next.force = Some(force);
         }
         let solution = Solution {

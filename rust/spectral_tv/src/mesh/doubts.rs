@@ -9,6 +9,7 @@ use crate::mesh::findings::grouped;
 use crate::mesh::intrinsic::repeats_an_index;
 use crate::mesh::open_edges::{OpenEdge, edges_of, open_edges, vertices_of};
 use crate::mesh::weld::Patch;
+use crate::parallel;
 
 /// Gaps up to this share of the size, the root of the area, are taken for mistakes.
 const GAP: f64 = 1e-5;
@@ -30,9 +31,6 @@ const SEAM: usize = 4;
 const SAMPLE: usize = 1 << 15;
 /// The most open edges among which gaps are looked for; of more, it is those of a slab.
 const MOST_EDGES: usize = 1 << 17;
-/// Triangles that one thread works on at a time.
-const CHUNK: usize = 1 << 15;
-
 /// What is probably a mistake, and matters for what is made of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -231,10 +229,11 @@ struct Scan {
 impl Scan {
     fn of(triangles: &[[u32; 3]]) -> Self {
         let rarity = (triangles.len() / SAMPLE).checked_ilog2().unwrap_or(0);
-        let parts = triangles.par_chunks(CHUNK).map(|part| {
+        let parts = parallel::parts(triangles.len(), |part| {
             let mut odd = 0;
             let mut sample = Vec::new();
-            for &corners in part.iter().filter(|corners| !repeats_an_index(corners)) {
+            let part = triangles[part].iter();
+            for &corners in part.filter(|corners| !repeats_an_index(corners)) {
                 let [a, b, c] = corners.map(spread);
                 odd ^= a.wrapping_mul(b) ^ b.wrapping_mul(c) ^ c.wrapping_mul(a);
                 // The same for all triangles with these corners.
@@ -246,7 +245,6 @@ impl Scan {
             }
             (odd, sample)
         });
-        let parts: Vec<_> = parts.collect();
         Self {
             // Two triangles at an edge cancel; that others do so is as good as impossible.
             may_be_open: parts.iter().fold(0, |odd, part| odd ^ part.0) != 0,

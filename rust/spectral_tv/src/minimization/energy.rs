@@ -120,12 +120,10 @@ impl Energy<'_> {
         start: f64,
         stage: Stage,
     ) -> Result<impl Fn(f64) -> f64 + '_> {
-        let changes = self.gradients(direction.view());
-        stage.check()?;
-        let squares = inner_products(&slope.gradients, &slope.gradients);
-        let along = inner_products(&slope.gradients, &changes);
-        let squared = inner_products(&changes, &changes);
-        stage.check()?;
+        let changes = stage.pass(|| self.gradients(direction.view()))?;
+        let squares = stage.pass(|| inner_products(&slope.gradients, &slope.gradients))?;
+        let along = stage.pass(|| inner_products(&slope.gradients, &changes))?;
+        let squared = stage.pass(|| inner_products(&changes, &changes))?;
         let quadratic = squared_norm(direction.view(), self.masses);
         let areas = self.operators.gradient().face_areas();
         let variation = move |alpha: f64| -> f64 {

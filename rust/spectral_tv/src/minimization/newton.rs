@@ -102,8 +102,8 @@ impl PrimalDualNewton {
     ) -> Result<()> {
         let pattern = energy.operators.pattern();
         let gradient = energy.operators.gradient();
-        stage.check()?;
-        pattern.assemble(gradient, energy.masses, stiffness, &mut self.system);
+        let system = &mut self.system;
+        stage.pass(|| pattern.assemble(gradient, energy.masses, stiffness, system))?;
         pin(energy.fixed, &mut self.system);
         self.cholesky.factorize(&self.system, stage)
     }

@@ -2,10 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use rayon::prelude::*;
-
-/// Faces that are worth handing to another thread.
-const CHUNK: usize = 1 << 13;
+use crate::parallel;
 
 /// Values of ε that can be squared; gradients that can not are refused before.
 const PLAIN: RangeInclusive<f64> = 1e-145..=1e145;
@@ -35,18 +32,13 @@ impl Variation {
 
     /// w = Ψ′(n)/n of every face.
     pub fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        let norms = gradient_norms.par_iter().with_min_len(CHUNK);
         let weight = |smoothed: f64| smoothed.min(self.steepest).recip();
         match PLAIN.contains(&self.epsilon) {
             true => {
                 let square = self.epsilon * self.epsilon;
-                norms
-                    .map(|norm| weight((norm * norm + square).sqrt()))
-                    .collect()
+                parallel::map(gradient_norms, |norm| weight((norm * norm + square).sqrt()))
             }
-            false => norms
-                .map(|norm| weight(self.smoothed_norm(*norm)))
-                .collect(),
+            false => parallel::map(gradient_norms, |norm| weight(self.smoothed_norm(*norm))),
         }
     }
 

@@ -37,13 +37,11 @@ impl Discretization {
             &format!("working on {} vertices", mesh.vertex_count()),
             "take a mesh of fewer vertices",
         )?;
-        stage.check()?;
         let gradient = Gradient::new(mesh, stage)?;
-        stage.check()?;
         let pattern = LaplacianPattern::new(&gradient, stage)?;
         let hats = gradient.hats().as_flattened().as_flattened();
-        let steepest_hat = hats.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
-        stage.check()?;
+        let largest = || hats.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        let steepest_hat = stage.pass(largest)?;
         Ok(Self {
             steepest_hat,
             edges: OnceLock::new(),

@@ -10,9 +10,7 @@ use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::side_by_side::{Lanes, SideBySide, WIDTH};
 use crate::operators::{Gradient, LaplacianPattern, Neighbour};
-
-/// Edges or vertices that one thread works on at a time.
-const CHUNK: usize = 1 << 13;
+use crate::parallel;
 
 /// The edges of a mesh, with the faces and the neighbours at each.
 #[derive(Debug, Clone)]
@@ -44,17 +42,12 @@ impl EdgeLaplacian {
             -gradient.face_areas()[face] * (p[0] * q[0] + p[1] * q[1])
         };
         let corners = |ends: &[u32]| &order[ends[0] as usize..ends[1] as usize];
-        stage.check()?;
         let both = |ends: &[u32], which: usize| corners(ends).get(which).copied();
-        let entries = starts.par_windows(2).with_min_len(CHUNK);
-        let faces =
-            entries.map(|ends| [0, 1].map(|i| both(ends, i).map_or(0, |corner| corner / 3)));
-        let faces = faces.collect();
-        stage.check()?;
-        let entries = starts.par_windows(2).with_min_len(CHUNK);
-        let cotangents = entries.map(|ends| [0, 1].map(|i| both(ends, i).map_or(0.0, cotangent)));
-        let cotangents = cotangents.collect();
-        stage.check()?;
+        let entries = || starts.par_windows(2);
+        let faces = |ends: &[u32]| [0, 1].map(|i| both(ends, i).map_or(0, |corner| corner / 3));
+        let faces = stage.pass(|| parallel::map(entries(), faces))?;
+        let cotangents = |ends: &[u32]| [0, 1].map(|i| both(ends, i).map_or(0.0, cotangent));
+        let cotangents = stage.pass(|| parallel::map(entries(), cotangents))?;
         let mut further = Vec::new();
         stage.for_each(starts.windows(2).enumerate(), |(entry, ends)| {
             let corners = corners(ends).iter().skip(2);
@@ -80,8 +73,7 @@ impl EdgeLaplacian {
             cotangents[0] * a + cotangents[1] * b
         };
         let entries = self.faces.par_iter().zip(&self.cotangents);
-        let entries = entries.with_min_len(CHUNK).map(coupling);
-        let mut couplings: Vec<f64> = entries.collect();
+        let mut couplings = parallel::map(entries, coupling);
         for &(entry, face, cotangent) in &self.further {
             couplings[entry as usize] += cotangent * weights[face as usize];
         }
@@ -110,12 +102,12 @@ impl EdgeLaplacian {
         lanes: &[Lanes<L>],
         mut product: ArrayViewMut2<f64>,
     ) {
-        let chunks = product.axis_chunks_iter_mut(Axis(1), CHUNK).into_par_iter();
-        chunks.enumerate().for_each(|(chunk, mut product)| {
+        parallel::columns_mut(&mut product).for_each(|(first, mut product)| {
+            let count = product.ncols();
             let rows = product.rows_mut().into_iter();
             let mut rows: Vec<&mut [f64]> = rows.filter_map(|row| row.into_slice()).collect();
-            for (offset, own) in lanes[chunk * CHUNK..].iter().take(CHUNK).enumerate() {
-                let sum = self.at_vertex(chunk * CHUNK + offset, own, couplings, lanes);
+            for (offset, own) in lanes[first..first + count].iter().enumerate() {
+                let sum = self.at_vertex(first + offset, own, couplings, lanes);
                 for (row, sum) in rows.iter_mut().zip(sum) {
                     row[offset] = sum;
                 }

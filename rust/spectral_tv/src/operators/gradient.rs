@@ -10,9 +10,8 @@ use crate::error::Result;
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
 use crate::operators::side_by_side::{Lanes, SideBySide};
+use crate::parallel;
 
-/// Faces that are worth handing to another thread.
-const CHUNK: usize = 1 << 12;
 /// Faces between two looks at whether the work was cancelled.
 const PIECE: usize = 1 << 18;
 
@@ -44,7 +43,6 @@ impl Gradient {
             let faces = (first..areas.len().min(first + PIECE)).into_par_iter();
             hats.par_extend(faces.map(|face| hat_gradients(mesh.edge_lengths(face), areas[face])));
         }
-        stage.check()?;
         Ok(Self {
             hats,
             triangles: Arc::clone(mesh.triangles()),
@@ -125,8 +123,7 @@ impl Gradient {
     }
 
     fn on_all<T: Send>(&self, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-        let faces = (0..self.hats.len()).into_par_iter().with_min_len(CHUNK);
-        faces.map(value).collect()
+        parallel::values(self.hats.len(), value)
     }
 
     #[inline(always)]

@@ -1,11 +1,11 @@
 //! L(w) = Gᵀ diag(A w) G, and the systems M + τ L(w): one fixed sparsity pattern.
 
-use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::{FaceVector, Gradient};
+use crate::parallel;
 use crate::solver::{Analysis, Cholesky, Demand, LinearSolver, Solver};
 
 /// A neighbour of a vertex, and the entry of the pattern for both.
@@ -31,19 +31,14 @@ impl LaplacianPattern {
     /// [`crate::Error::Cancelled`].
     pub fn new(gradient: &Gradient, stage: Stage) -> Result<Self> {
         let (column_starts, rows) = sorted_columns(gradient, stage)?;
-        stage.check()?;
         let entry = |i: u32, j: u32| {
             let (column, row) = (i.min(j) as usize, i.max(j));
             let first = column_starts[column] as usize;
             let offset = rows[first..column_starts[column + 1] as usize].binary_search(&row);
             (first + offset.expect("every edge is in the pattern")) as u32
         };
-        let edge_entries = gradient
-            .triangles()
-            .par_iter()
-            .map(|&[i, j, k]| [entry(j, k), entry(k, i), entry(i, j)])
-            .collect();
-        stage.check()?;
+        let entries = |&[i, j, k]: &[u32; 3]| [entry(j, k), entry(k, i), entry(i, j)];
+        let edge_entries = stage.pass(|| parallel::map(gradient.triangles(), entries))?;
         Ok(Self {
             column_starts,
             rows,

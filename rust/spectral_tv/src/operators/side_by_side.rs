@@ -4,16 +4,14 @@
 use std::borrow::Cow;
 
 use ndarray::{ArrayView2, Axis};
-use rayon::prelude::*;
+
+use crate::parallel;
 
 /// The values of up to `L` channels at one vertex.
 pub(super) type Lanes<const L: usize> = [f64; L];
 
 /// Channels of which passes take care at once, if there are several.
 pub(super) const WIDTH: usize = 4;
-
-/// Vertices that are worth handing to another thread.
-const CHUNK: usize = 1 << 13;
 
 /// A function (C, V), vertex by vertex: made once for all that is asked of it.
 #[derive(Debug)]
@@ -61,13 +59,11 @@ fn lanes(values: ArrayView2<f64>) -> Vec<Lanes<WIDTH>> {
     let values = values.as_standard_layout();
     let rows = values.rows().into_iter();
     let channels: Vec<&[f64]> = rows.filter_map(|row| row.to_slice()).collect();
-    let vertices = (0..values.len_of(Axis(1))).into_par_iter();
-    let lanes = vertices.with_min_len(CHUNK).map(|vertex| {
+    parallel::values(values.ncols(), |vertex| {
         let mut lanes = [0.0; WIDTH];
         for (lane, channel) in lanes.iter_mut().zip(&channels) {
             *lane = channel[vertex];
         }
         lanes
-    });
-    lanes.collect()
+    })
 }

@@ -11,11 +11,12 @@ use std::time::Duration;
 use faer::{Mat, Side};
 use fastrand::Rng;
 use ndarray::linalg::general_mat_mul;
-use ndarray::parallel::prelude::*;
 use ndarray::{Array2, ArrayView2, Axis, Slice};
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::solver::scratch;
 
 /// Vectors that are iterated together; more than any finite symmetry group makes equal.
@@ -24,8 +25,6 @@ const BLOCK: usize = 8;
 const TOLERANCE: f64 = 1e-9;
 /// Norm of a vector, relative to the operator's, that is put down to rounding.
 const ROUNDING: f64 = 1e-13;
-/// Components of a vector that one thread works on at a time.
-const CHUNK: usize = 1 << 12;
 /// How often a wait looks whether to go on.
 const POLL: Duration = Duration::from_millis(10);
 
@@ -144,25 +143,24 @@ fn append(rows: &mut Array2<f64>, more: &Array2<f64>) {
 /// (b, V) and returns them, (m, b).
 fn take_out(basis: ArrayView2<f64>, block: &mut Array2<f64>, stage: Stage) -> Result<Array2<f64>> {
     let shape = (basis.nrows(), block.nrows());
-    let parts: Vec<_> = basis
-        .axis_chunks_iter(Axis(1), CHUNK)
-        .into_par_iter()
-        .zip(block.axis_chunks_iter(Axis(1), CHUNK))
-        .map(|(basis, block)| basis.dot(&block.t()))
-        .collect();
+    let products = || {
+        parallel::parts(basis.ncols(), |part| {
+            let [basis, block] =
+                [basis, block.view()].map(|rows| parallel::columns(rows, part.clone()));
+            basis.dot(&block.t())
+        })
+    };
+    let parts = stage.pass(products)?;
     // One after the other, so that results do not depend on the threads.
     let along = parts
         .iter()
         .fold(Array2::zeros(shape), |sum, part| sum + part);
-    stage.check()?;
-    block
-        .axis_chunks_iter_mut(Axis(1), CHUNK)
-        .into_par_iter()
-        .zip(basis.axis_chunks_iter(Axis(1), CHUNK))
-        .for_each(|(mut block, basis)| {
+    stage.pass(|| {
+        parallel::columns_mut(&mut block.view_mut()).for_each(|(first, mut block)| {
+            let basis = parallel::columns(basis, first..first + block.ncols());
             general_mat_mul(-1.0, &along.t(), &basis, 1.0, &mut block);
         });
-    stage.check()?;
+    })?;
     Ok(along)
 }
 
@@ -245,14 +243,10 @@ fn ritz_pairs(matrix: &Array2<f64>, count: usize, stage: Stage) -> Result<(Vec<f
 /// The rows of `basis` (m, V) combined by the columns of `weights` (m, K), (K, V).
 fn combined(weights: ArrayView2<f64>, basis: ArrayView2<f64>, stage: Stage) -> Result<Array2<f64>> {
     let mut rows = Array2::zeros((weights.ncols(), basis.ncols()));
-    rows.axis_chunks_iter_mut(Axis(1), CHUNK)
-        .into_par_iter()
-        .zip(basis.axis_chunks_iter(Axis(1), CHUNK))
-        .try_for_each(|(mut rows, basis)| {
-            stage.check()?;
-            general_mat_mul(1.0, &weights.t(), &basis, 0.0, &mut rows);
-            Result::Ok(())
-        })?;
+    parallel::columns_mut(&mut rows.view_mut()).try_for_each(|(first, mut rows)| {
+        let basis = parallel::columns(basis, first..first + rows.ncols());
+        stage.pass(|| general_mat_mul(1.0, &weights.t(), &basis, 0.0, &mut rows))
+    })?;
     Ok(rows)
 }
 

@@ -7,6 +7,7 @@ use sprs::CsMatI;
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
 use crate::named::named;
+use crate::parallel;
 use crate::solver::graph::Graph;
 use crate::solver::{Analysis, Cholesky, Multigrid};
 
@@ -27,9 +28,6 @@ const LARGE_FILL: f64 = 50.0;
 /// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
 /// much as the first, and twice as many for single functions, which do not fill its registers.
 const MORE_FILL: f64 = 12.0;
-
-/// Entries that are worth handing to another thread.
-const CHUNK: usize = 1 << 14;
 
 /// How linear systems are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -144,9 +142,7 @@ impl LinearSolver {
         demand: Demand,
         stage: Stage,
     ) -> Result<Self> {
-        stage.check()?;
-        let chosen = solver.chosen(&lower, analysis, demand)?;
-        stage.check()?;
+        let chosen = stage.pass(|| solver.chosen(&lower, analysis, demand))??;
         let (multigrid, cholesky) = match chosen == Solver::Multigrid {
             true => (Some(Multigrid::analyse(&lower, stage)?), None),
             false => (None, Some(Cholesky::new(&lower, analysis, stage)?)),
@@ -174,11 +170,8 @@ impl LinearSolver {
         tau: f64,
         stage: Stage,
     ) -> Result<()> {
-        stage.check()?;
-        let entries = self.lower.data_mut().par_iter_mut().with_min_len(CHUNK);
-        entries
-            .zip(couplings)
-            .for_each(|(entry, coupling)| *entry = -tau * coupling);
+        let entries = self.lower.data_mut().par_iter_mut().zip(couplings);
+        stage.pass(|| parallel::for_each(entries, |(entry, coupling)| *entry = -tau * coupling))?;
         self.masses.copy_from_slice(masses);
         self.is_factorized = false;
         if let Some(multigrid) = &mut self.multigrid {
@@ -279,13 +272,11 @@ impl Rows {
     /// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
     fn complete_diagonal(&self, lower: &mut CsMatI<f64, u32>, masses: &[f64]) {
         let entries = lower.data();
-        let rows = masses.par_iter().enumerate().with_min_len(CHUNK / 8);
-        let diagonal = rows.map(|(row, mass)| {
+        let diagonal = parallel::values(masses.len(), |row| {
             let neighbours = self.graph.neighbours_of(row).iter();
             let couplings = neighbours.map(|&(_, entry)| entries[entry as usize]);
-            mass - couplings.sum::<f64>()
+            masses[row] - couplings.sum::<f64>()
         });
-        let diagonal: Vec<f64> = diagonal.collect();
         let entries = lower.data_mut();
         for (entry, value) in self.diagonal.iter().zip(diagonal) {
             if let Some(entry) = *entry {

@@ -3,15 +3,12 @@
 use std::sync::Arc;
 
 use ndarray::{Array2, ArrayView1, ArrayView2};
-use rayon::prelude::*;
 
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::Trajectory;
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::spectral::check_edges;
-
-/// Vertices that one thread works on at a time.
-const CHUNK: usize = 1 << 13;
 
 /// The spectral components of a flow (Brokman et al. 2024, Eqs. 50 and 53).
 ///
@@ -140,16 +137,13 @@ impl SpectralTransform {
 /// Σ_v M_v |φ(v)| for `values` φ (C, V).
 fn integral(values: ArrayView2<f64>, masses: &[f64]) -> f64 {
     let channels: Vec<ArrayView1<f64>> = values.rows().into_iter().collect();
-    let parts = masses.par_chunks(CHUNK).enumerate().map(|(chunk, masses)| {
-        let vertices = masses.iter().zip(chunk * CHUNK..);
-        let terms = vertices.map(|(mass, vertex)| {
+    parallel::sum(masses.len(), |vertices| {
+        let terms = vertices.map(|vertex| {
             let squares = channels.iter().map(|channel| channel[vertex].powi(2));
-            mass * squares.sum::<f64>().sqrt()
+            masses[vertex] * squares.sum::<f64>().sqrt()
         });
-        terms.sum::<f64>()
-    });
-    // In order, so that the sum does not depend on the threads.
-    parts.collect::<Vec<_>>().iter().sum()
+        terms.sum()
+    })
 }
 
 #[cfg(test)]

@@ -68,17 +68,13 @@ fn bisect(part: &Part, stage: Stage) -> Result<Vec<Side>> {
         }
         return Ok(sides);
     }
-    stage.check()?;
     // Between two ends: the farther from one and the nearer to the other, the later.
-    let (from_one, order, _) = part.rings(Some(order[size - 1]));
-    stage.check()?;
-    let (from_other, _, _) = part.rings(Some(order[size - 1]));
+    let (from_one, order, _) = stage.pass(|| part.rings(Some(order[size - 1])))?;
+    let (from_other, _, _) = stage.pass(|| part.rings(Some(order[size - 1])))?;
     let keys = from_one.iter().zip(&from_other);
     let keys: Vec<u32> = keys.map(|(one, other)| size as u32 + one - other).collect();
-    let places = ranks(&keys, 2 * size);
-    stage.check()?;
-    let cut = best_cut(part, &places);
-    stage.check()?;
+    let places = stage.pass(|| ranks(&keys, 2 * size))?;
+    let cut = stage.pass(|| best_cut(part, &places))?;
     let band = ((BAND * size as f64) as usize).max(1);
     let (begin, end) = (cut.saturating_sub(band).max(1), (cut + band).min(size - 1));
     // The separator will be near to the first side: it shall be the larger one.

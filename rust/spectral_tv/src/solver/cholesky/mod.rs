@@ -151,10 +151,7 @@ impl Cholesky {
                     .iter()
                     .map(|unit| unit.panel_length + unit.stack_length);
                 stage.require(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
-                let room = |unit: &Unit| {
-                    stage.check()?;
-                    Numbers::new(unit, WHAT, ADVICE)
-                };
+                let room = |unit: &Unit| stage.pass(|| Numbers::new(unit, WHAT, ADVICE))?;
                 units.iter().map(room).collect::<Result<_>>()?
             }
         };

@@ -52,8 +52,8 @@ impl Supernodes {
     /// [`Error::Solver`] if the index range does not suffice, or [`Error::Cancelled`].
     pub fn by_dissection(lower: &CsMatI<f64, u32>, smallest: usize, stage: Stage) -> Result<Self> {
         let order = dissection::order(lower, smallest, stage)?;
-        stage.check()?;
-        Ok(Self::with_order(lower, &order)?.in_postorder())
+        let nodes = stage.pass(|| Self::with_order(lower, &order))??;
+        Ok(nodes.in_postorder())
     }
 
     fn with_order(lower: &CsMatI<f64, u32>, order: &[u32]) -> Result<Self> {

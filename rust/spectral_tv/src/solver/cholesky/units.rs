@@ -75,8 +75,7 @@ pub(super) fn split(
     least_work: f64,
     stage: Stage,
 ) -> Result<Vec<Unit>> {
-    stage.check()?;
-    let (owners, count) = owners(nodes, least_work);
+    let (owners, count) = stage.pass(|| owners(nodes, least_work))?;
     let mut builder = Builder {
         nodes,
         units: (0..count).map(|_| Unit::default()).collect(),
@@ -85,8 +84,7 @@ pub(super) fn split(
         indices: vec![0; nodes.len()],
         owners,
     };
-    builder.place_nodes();
-    stage.check()?;
+    stage.pass(|| builder.place_nodes())?;
     builder.place_rows(stage)?;
     builder.place_children();
     builder.place_entries(lower, stage)?;
@@ -286,8 +284,7 @@ impl Builder<'_> {
             }
         })?;
         for unit in &mut self.units {
-            stage.check()?;
-            unit.entries.sort_unstable_by_key(|&(_, place)| place);
+            stage.pass(|| unit.entries.sort_unstable_by_key(|&(_, place)| place))?;
         }
         Ok(())
     }

@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use crate::parallel;
 use crate::solver::multigrid::matrix::Matrix;
 
 /// In no aggregate.
@@ -35,8 +36,7 @@ pub(super) struct Strength {
 impl Strength {
     /// For the threshold θ = `threshold`.
     pub fn new(matrix: &Matrix, threshold: f32) -> Self {
-        let rows = (0..matrix.size()).into_par_iter();
-        let bounds = rows.with_min_len(4096).map(|row| {
+        let bounds = parallel::values(matrix.size(), |row| {
             let couplings = matrix.row(row).iter().flat_map(|octet| octet.couplings);
             let (mut sum, mut largest) = (0.0, 0.0);
             for coupling in couplings {
@@ -49,9 +49,7 @@ impl Strength {
                 false => f32::INFINITY,
             }
         });
-        Self {
-            bounds: bounds.collect(),
-        }
+        Self { bounds }
     }
 
     /// Whether the coupling c of two vertices is strong.

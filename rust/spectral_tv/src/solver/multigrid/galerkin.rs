@@ -38,7 +38,6 @@ impl Galerkin {
         stage: Stage,
     ) -> Result<(Self, Matrix)> {
         let product = Product::new(matrix, prolongation, stage)?;
-        stage.check()?;
         let size = prolongation.coarse_size();
         let chunk = chunk_length(size);
         let parts: Vec<Part> = (0..size.div_ceil(chunk))
@@ -50,21 +49,18 @@ impl Galerkin {
                 Part::new(rows, size, &product, prolongation)
             })
             .collect::<Result<_>>()?;
-        stage.check()?;
         let mut place_starts = vec![0];
         let mut places = Vec::new();
         for part in &parts {
             let first = places.len() as u64;
             place_starts.extend(part.place_ends.iter().map(|end| first + end));
-            places.extend_from_slice(&part.places);
+            stage.pass(|| places.extend_from_slice(&part.places))?;
         }
         let rows = parts.iter().flat_map(|part| {
             let bounds = part.neighbour_starts.windows(2);
             bounds.map(|bound| &part.neighbours[bound[0]..bound[1]])
         });
-        stage.check()?;
         let coarse = Matrix::with_pattern(rows, stage)?;
-        stage.check()?;
         let galerkin = Self {
             values: vec![0.0; product.columns.len()],
             starts: product.starts,
@@ -88,10 +84,8 @@ impl Galerkin {
         coarse: &mut Matrix,
         stage: Stage,
     ) -> Result<()> {
-        self.multiply(matrix, prolongation);
-        stage.check()?;
-        self.gather(prolongation, coarse);
-        Ok(())
+        stage.pass(|| self.multiply(matrix, prolongation))?;
+        stage.pass(|| self.gather(prolongation, coarse))
     }
 
     /// KP, and the row sums of K over the rows that take part.

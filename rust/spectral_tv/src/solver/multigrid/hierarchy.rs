@@ -83,7 +83,6 @@ impl Hierarchy {
             if let Some(coarsening) = &mut fine.coarsening {
                 coarsening.refresh(&fine.matrix, &mut coarse[0].matrix, stage)?;
             }
-            stage.check()?;
         }
         self.finish(stage)
     }
@@ -110,10 +109,9 @@ impl Hierarchy {
     /// What follows from the matrices.
     fn finish(&mut self, stage: Stage) -> Result<()> {
         for level in &mut self.levels {
-            if !level.smoother.refresh(&level.matrix) {
+            if !stage.pass(|| level.smoother.refresh(&level.matrix))? {
                 return Err(not_definite());
             }
-            stage.check()?;
         }
         let last = &self.levels[self.levels.len() - 1].matrix;
         self.coarsest = match last.size() <= coarsest::LARGEST {
@@ -128,15 +126,12 @@ impl Level {
     /// Sets up the way to the next level and returns its matrix; `None` if nothing is coupled
     /// so strongly that a coarser level would help.
     fn coarsened(&mut self, threshold: f32, stage: Stage) -> Result<Option<Matrix>> {
-        stage.check()?;
-        let strength = Strength::new(&self.matrix, threshold);
-        let aggregates = Aggregates::new(&self.matrix, &strength);
-        stage.check()?;
+        let strength = stage.pass(|| Strength::new(&self.matrix, threshold))?;
+        let aggregates = stage.pass(|| Aggregates::new(&self.matrix, &strength))?;
         if aggregates.count == 0 {
             return Ok(None);
         }
         let prolongation = Prolongation::new(&self.matrix, &strength, &aggregates, stage)?;
-        stage.check()?;
         let (galerkin, mut coarse) = Galerkin::new(&self.matrix, &prolongation, stage)?;
         let mut coarsening = Coarsening {
             prolongation,
@@ -150,8 +145,7 @@ impl Level {
 
 impl Coarsening {
     fn refresh(&mut self, matrix: &Matrix, coarse: &mut Matrix, stage: Stage) -> Result<()> {
-        self.prolongation.refresh(matrix);
-        stage.check()?;
+        stage.pass(|| self.prolongation.refresh(matrix))?;
         let prolongation = &self.prolongation;
         self.galerkin.refresh(matrix, prolongation, coarse, stage)
     }

@@ -85,9 +85,7 @@ impl Multigrid {
     /// [`Error::Cancelled`].
     pub fn analyse(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
         let ordering = Ordering::breadth_first(lower, stage)?;
-        stage.check()?;
         let matrix = system::pattern(&ordering, stage)?;
-        stage.check()?;
         Ok(Self {
             ordering,
             hierarchy: Hierarchy::unset(matrix),
@@ -115,8 +113,7 @@ impl Multigrid {
         stage: Stage,
     ) -> Result<()> {
         let finest = &mut self.hierarchy.levels[0].matrix;
-        self.scale = system::refresh(finest, &self.ordering, lower, masses);
-        stage.check()?;
+        self.scale = stage.pass(|| system::refresh(finest, &self.ordering, lower, masses))?;
         if self.is_stale || self.age >= self.lifetime {
             return self.coarsen(stage);
         }
@@ -193,7 +190,6 @@ impl Multigrid {
             None => iteration.solution.fill([0.0; L]),
         }
         let (tolerance, stage) = (problem.tolerance, problem.stage);
-        stage.check()?;
         let is_fresh = self.age == 1 && self.is_current;
         let most = match self.iterations_when_fresh {
             Some(fresh) if !is_fresh => (fresh + MOST_WASTED_ITERATIONS) as usize,

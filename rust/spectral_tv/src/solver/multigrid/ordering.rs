@@ -33,22 +33,17 @@ impl Ordering {
     /// [`crate::Error::Cancelled`].
     pub fn breadth_first(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
         let graph = Graph::new(lower, stage)?;
-        stage.check()?;
         let order = graph.breadth_first(stage)?;
         let mut places = vec![0; order.len()];
-        for (place, &vertex) in order.iter().enumerate() {
+        stage.for_each(order.iter().enumerate(), |(place, &vertex)| {
             places[vertex as usize] = place as u32;
-        }
-        stage.check()?;
+        })?;
         let mut starts = Vec::with_capacity(order.len() + 1);
         let mut neighbours = Vec::with_capacity(graph.neighbours.len());
         let mut entries = Vec::with_capacity(graph.neighbours.len());
         let mut row: Vec<(u32, u32)> = Vec::new();
         starts.push(0);
-        for (place, &vertex) in order.iter().enumerate() {
-            if place.is_multiple_of(PIECE) {
-                stage.check()?;
-            }
+        stage.for_each(&order, |&vertex| {
             let of_vertex = graph.neighbours_of(vertex as usize).iter();
             row.clear();
             row.extend(of_vertex.map(|&(other, entry)| (places[other as usize], entry)));
@@ -56,7 +51,7 @@ impl Ordering {
             neighbours.extend(row.iter().map(|pair| pair.0));
             entries.extend(row.iter().map(|pair| pair.1));
             starts.push(neighbours.len() as u32);
-        }
+        })?;
         Ok(Self {
             places,
             order,

@@ -76,8 +76,8 @@ impl Prolongation {
                 }
             }
         });
-        stage.check()?;
-        let (starts, transposed) = transpose(&columns, &used, aggregates.count);
+        let transposed = stage.pass(|| transpose(&columns, &used, aggregates.count))?;
+        let (starts, transposed) = transposed;
         Ok(Self {
             columns,
             weights,

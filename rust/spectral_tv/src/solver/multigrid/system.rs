@@ -1,17 +1,14 @@
 //! Between a system as its owner has it and as the levels do: other order, other precision.
 
-use ndarray::parallel::prelude::*;
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::error::Result;
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::solver::multigrid::matrix::{Lanes, Matrix, chunk_length, split_at_rows};
 use crate::solver::multigrid::ordering::Ordering;
-
-/// Vertices that one thread works on at a time.
-const CHUNK: usize = 1 << 13;
 
 /// The finest matrix, without values.
 ///
@@ -92,9 +89,8 @@ pub(super) fn scatter<const L: usize>(
     let (_, rows) = values.view_mut().split_at(Axis(0), first);
     let count = L.min(rows.nrows());
     let (mut rows, _) = rows.split_at(Axis(0), count);
-    let parts = rows.axis_chunks_iter_mut(Axis(1), CHUNK).into_par_iter();
-    let parts = parts.zip(ordering.places.par_chunks(CHUNK));
-    parts.for_each(|(mut rows, places)| {
+    parallel::columns_mut(&mut rows).for_each(|(vertex, mut rows)| {
+        let places = &ordering.places[vertex..];
         for (mut column, &place) in rows.columns_mut().into_iter().zip(places) {
             let lanes = &lanes[place as usize];
             for (value, lane) in column.iter_mut().zip(lanes) {
@@ -106,7 +102,8 @@ pub(super) fn scatter<const L: usize>(
 
 /// The largest magnitude in `values` (C, V).
 pub(super) fn largest(values: ArrayView2<f64>) -> f64 {
-    let parts = values.axis_chunks_iter(Axis(1), CHUNK).into_par_iter();
-    let parts = parts.map(|part| part.fold(0.0_f64, |max, value| max.max(value.abs())));
-    parts.reduce(|| 0.0, f64::max)
+    parallel::largest(values.ncols(), |vertices| {
+        let part = parallel::columns(values, vertices);
+        part.fold(0.0_f64, |max, value| max.max(value.abs()))
+    })
 }
