@@ -22,16 +22,25 @@ RUST_SOURCES := Cargo.toml Cargo.lock \
 PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
-.PHONY: demo test test-bpy test-window fuzz fuzz-library coverage deny lint extension bench bench-check \
-  pictures gallery release release-check clean
+.PHONY: demo test test-rust test-package test-extension test-bpy test-window fuzz fuzz-library \
+  coverage deny lint extension bench bench-check pictures gallery release release-check clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
 	  $(if $(AZIMUTH),--azimuth $(AZIMUTH))
 
-test: lint $(EXTENSION_STAMP)
-	cargo test --workspace --release --quiet
+test: lint test-rust $(EXTENSION_STAMP)
 	$(BIN)/python -m pytest tests
+
+# The parts of that by themselves.
+test-rust:
+	cargo test --workspace --release --quiet
+
+test-package: $(WHEEL_STAMP)
+	$(BIN)/python -m pytest tests --ignore tests/blender
+
+test-extension: $(EXTENSION_STAMP)
+	$(BIN)/python -m pytest tests/blender
 
 test-bpy: $(EXTENSION_STAMP)
 	PYTHON=$(PYTHON) tools/test_bpy.sh
