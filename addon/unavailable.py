@@ -5,7 +5,7 @@ import sys
 import bpy
 
 from . import native
-from .sidebar import Sidebar, say
+from .drawing.sidebar import Sidebar, say
 
 
 class SPECTRAL_TV_PT_unavailable(Sidebar, bpy.types.Panel):  # noqa: N801 - Blender's convention

@@ -7,8 +7,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..decomposition.lettering import HEIGHT, mask
-from ..decomposition.spectrum import colour
+from ..drawing.ink import HEIGHT, color, mask
 from ..scene.documents import keep_image, keep_text
 from ..scene.objects import Refusal
 from ..scene.results import written_names
@@ -105,7 +104,7 @@ def picture(table: Table, thickness: int = 3) -> np.ndarray:
         _ink(image, label, BOTTOM - 2 * HEIGHT * PIXEL, min(x, right - label.shape[1]), INK)
     across = np.linspace(0, table.times[-1], right - LEFT)
     for number, column in enumerate(table.values.T):
-        ink = colour(number, len(table.names))
+        ink = color(number, len(table.names))
         share = (np.interp(across, table.times, column) - low) / max(high - low, 1e-300)
         heights = np.rint(BOTTOM + share * (top - 1 - BOTTOM)).astype(int)
         for x, (one, two) in enumerate(pairwise(heights), start=LEFT):

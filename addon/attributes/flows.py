@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..filters.filtering import filter_values
+from ..bands.filtering import filter_values
 from ..scene import mix
 from ..scene.objects import Refusal
 from ..scene.surface import Surface

@@ -5,11 +5,10 @@ from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
-    PointerProperty,
     StringProperty,
 )
 
-from ..filters.filtering import FilterProperties, SidebarFilter
+from ..bands.filtering import FilterProperties, SidebarFilter
 from .curves import PARTS
 from .flows import Choice
 from .sources import KINDS, names
@@ -126,13 +125,4 @@ class SpectralTVAttributes(
     )
 
 
-def register() -> None:
-    """Register the choices, on every scene."""
-    bpy.utils.register_class(SpectralTVAttributes)
-    bpy.types.Scene.spectral_tv_attributes = PointerProperty(type=SpectralTVAttributes)
-
-
-def unregister() -> None:
-    """Unregister them; files keep what they hold."""
-    del bpy.types.Scene.spectral_tv_attributes
-    bpy.utils.unregister_class(SpectralTVAttributes)
+CLASSES = (SpectralTVAttributes,)

@@ -244,17 +244,3 @@ def chosen(obj: bpy.types.Object) -> SpectralTVConstraint | None:
     if 0 <= deformation.active < len(deformation.constraints):
         return deformation.constraints[deformation.active]
     return None
-
-
-def register() -> None:
-    """Register the properties, on every object."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Object.spectral_tv = PointerProperty(type=SpectralTVDeformation)
-
-
-def unregister() -> None:
-    """Unregister the properties; files keep what they hold."""
-    del bpy.types.Object.spectral_tv
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

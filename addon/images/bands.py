@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import spectral_tv
 
-from ..filters.filtering import filter_values
+from ..bands.filtering import filter_values
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from .flows import Request, Still, contrast_of

@@ -10,7 +10,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..filters.filtering import FilterProperties, SidebarFilter
+from ..bands.filtering import FilterProperties, SidebarFilter
 from .bands import Choice
 from .results import SpectralTVImageResult
 
@@ -115,19 +115,3 @@ class SpectralTVImage(bpy.types.PropertyGroup):
 
 
 CLASSES = (SpectralTVImageResult, SpectralTVImages, SpectralTVImage)
-
-
-def register() -> None:
-    """Register the properties, on scenes and images."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Scene.spectral_tv_images = PointerProperty(type=SpectralTVImages)
-    bpy.types.Image.spectral_tv = PointerProperty(type=SpectralTVImage)
-
-
-def unregister() -> None:
-    """Unregister them; files keep what they hold."""
-    del bpy.types.Image.spectral_tv
-    del bpy.types.Scene.spectral_tv_images
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

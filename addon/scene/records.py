@@ -104,19 +104,3 @@ def topology_changed(obj: bpy.types.Object) -> bool:
     record = obj.data.shape_keys.spectral_tv
     counts = len(obj.data.vertices), len(obj.data.loops)
     return counts != (record.vertex_count, record.corner_count)
-
-
-def register() -> None:
-    """Register the properties, on the shape keys of every mesh."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Key.spectral_tv = bpy.props.PointerProperty(
-        type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"}
-    )
-
-
-def unregister() -> None:
-    """Unregister the properties; files keep what they hold."""
-    del bpy.types.Key.spectral_tv
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

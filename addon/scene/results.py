@@ -105,11 +105,16 @@ def written_names(obj: bpy.types.Object, written: str) -> list[str]:
     return [name or each.key for each, (name, _) in known if (name or each.key) in present]
 
 
-def renew(obj: bpy.types.Object, was: Mapping[int, str]) -> None:
-    """Take the fingerprints anew of results that are, by their places, now called so."""
-    for place, name in was.items():
-        each = obj.data.spectral_tv.results[place]
-        each.take(obj, each.written, name)
+def follow(obj: bpy.types.Object) -> Callable[[], None]:
+    """Note which results are there; the function returned takes their fingerprints anew."""
+    was = [pair for written in THINGS for pair in known(obj, written).items()]
+
+    def renew() -> None:
+        for place, name in was:
+            each = obj.data.spectral_tv.results[place]
+            each.take(obj, each.written, name)
+
+    return renew
 
 
 def known(obj: bpy.types.Object, written: str) -> dict[int, str]:
@@ -231,17 +236,3 @@ def _remember(
 
 
 CLASSES = (SpectralTVResult, SpectralTVDocument, SpectralTVMesh)
-
-
-def register() -> None:
-    """Register the properties, on every mesh."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Mesh.spectral_tv = PointerProperty(type=SpectralTVMesh)
-
-
-def unregister() -> None:
-    """Unregister the properties; files keep what they hold."""
-    del bpy.types.Mesh.spectral_tv
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

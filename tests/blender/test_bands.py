@@ -92,7 +92,7 @@ def test_what_keeps_a_filter_from_being_seen_is_told(banded, capfd):
 @pytest.mark.parametrize("bands", [2, 3, 4, 5, 9])
 def test_every_preset_of_the_sidebar_does_something_as_it_stands(monkey, bands):
     bpy.ops.spectral_tv.decompose(bands=bands, steps=12)
-    gains = import_module(f"{EXTENSION}.filters.gains")
+    gains = import_module(f"{EXTENSION}.bands.gains")
     sidebar = bpy.context.scene.spectral_tv_filter
     assert 1 <= sidebar.first == sidebar.last <= bands
     for preset in ("LOW_PASS", "HIGH_PASS", "BAND_PASS", "BAND_STOP", "EXAGGERATE"):
@@ -278,8 +278,8 @@ def test_cutting_again_uses_the_same_flow(banded):
 
 
 def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
-    bands = import_module(f"{EXTENSION}.decomposition.bands")
-    settings = import_module(f"{EXTENSION}.decomposition.settings").Settings
+    bands = import_module(f"{EXTENSION}.bands.bands")
+    settings = import_module(f"{EXTENSION}.bands.settings").Settings
 
     bands.forget_flows()  # those of other tests
     bpy.ops.spectral_tv.decompose(bands=4, steps=12)
@@ -296,7 +296,7 @@ def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
 
 
 def test_the_spectrum_shows_the_bands_from_left_to_right(banded):
-    spectrum = import_module(f"{EXTENSION}.decomposition.spectrum")
+    spectrum = import_module(f"{EXTENSION}.bands.spectrum")
     record = banded.data.shape_keys.spectral_tv
     bottom = [tuple(pixel) for pixel in spectrum.picture(record)[0]]
     colours = [tuple(np.float32(spectrum.colour(band, 4))) for band in range(4)]

@@ -1,0 +1,49 @@
+"""The operator that flows an attribute, a vertex group, a color attribute or a shape key."""
+
+from collections.abc import Callable
+
+import bpy
+import spectral_tv
+
+from ..job.operator import JobOperator
+from .flows import Prepared, prepare, results
+from .outputs import write
+from .properties import AttributeProperties
+
+
+class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeProperties, bpy.types.Operator):
+    """Smooth or filter an attribute, a vertex group, a color attribute or a shape key on the
+    surface. Writes beside it; running again replaces what was written"""
+
+    bl_idname = "spectral_tv.flow_attribute"
+    bl_label = "Flow"
+    bl_options = {"REGISTER", "UNDO"}
+    working = "Flowing on"
+
+    def prepare(self, obj: bpy.types.Object) -> Prepared:
+        return prepare(obj, self.choice())
+
+    def work(self, prepared: Prepared, progress: Callable[[float], None]) -> spectral_tv.Flow:
+        return spectral_tv.flow(prepared.surface.mesh, **prepared.arguments, progress=progress)
+
+    def start(self, prepared: Prepared) -> spectral_tv.Job:
+        return spectral_tv.start_flow(prepared.surface.mesh, **prepared.arguments)
+
+    def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Flow) -> str:
+        found = results(prepared, self.choice(), result)
+        names = write(obj, prepared.source, found)
+        text = f"{prepared.source.name!r} written as {', '.join(map(repr, names))}"
+        if prepared.source.kind == "GROUP" and len(found) == 1:
+            (weights,) = found.values()
+            cut = int(((weights < -1e-3) | (weights > 1 + 1e-3)).sum())
+            if cut:
+                text += f", {cut} weights cut off at 0 and 1"
+        return text
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out Adjust Last Operation."""
+        self.layout.use_property_split = True
+        self.draw_choice(self.layout)
+
+
+CLASSES = (SPECTRAL_TV_OT_flow_attribute,)

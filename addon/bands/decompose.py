@@ -1,0 +1,109 @@
+"""The operator that splits the active mesh into bands."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import spectral_tv
+from bpy.props import BoolProperty
+
+from ..job import jobs
+from ..job.operator import JobOperator
+from ..scene import applied
+from ..scene.notes import note
+from ..scene.objects import Refusal, distinct_meshes, refusal
+from ..scene.surface import Surface
+from ..scene.whole import whole
+from .bands import add_bands, prepare_together, recall
+from .properties import DecompositionProperties, draw_method, draw_reading
+from .settings import key_label
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Objects by their names and what they looked like, their surfaces, and the arguments of
+    spectral_tv.decompose.
+    """
+
+    names: list[str]
+    states: list[str]
+    surfaces: list[Surface]
+    arguments: dict[str, Any]
+
+
+class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.Operator):
+    """Split the active mesh into bands of detail, one shape key per band"""
+
+    bl_idname = "spectral_tv.decompose"
+    bl_label = "Decompose into Bands"
+    bl_options = {"REGISTER", "UNDO"}
+    working = "Decomposing"
+
+    together: BoolProperty(
+        name="Selected as One",
+        description="Decompose all selected meshes as one surface, joined where their open edges "
+        "meet",
+    )
+
+    def prepare(self, obj: bpy.types.Object) -> Prepared:
+        objects = distinct_meshes(bpy.context) if self.together else [obj]
+        surfaces, arguments = prepare_together(objects, self.settings())
+        return Prepared(
+            [each.name for each in objects],
+            [jobs.state_of(each) for each in objects],
+            surfaces,
+            arguments,
+        )
+
+    def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
+        return recall(prepared.surfaces[0], prepared.arguments)
+
+    def work(
+        self, prepared: Prepared, progress: Callable[[float], None]
+    ) -> spectral_tv.Decomposition:
+        mesh = prepared.surfaces[0].mesh
+        return spectral_tv.decompose(mesh, **prepared.arguments, progress=progress)
+
+    def start(self, prepared: Prepared) -> spectral_tv.Job:
+        return spectral_tv.start_decompose(prepared.surfaces[0].mesh, **prepared.arguments)
+
+    def write(
+        self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
+    ) -> str:
+        objects = [bpy.data.objects.get(name) for name in prepared.names]
+        for name, obj, state in zip(prepared.names, objects, prepared.states, strict=True):
+            if refusal(obj) is not None or jobs.state_of(obj) != state:
+                raise Refusal(f"nothing was written, as {name} changed in the meantime")
+        if self.shape == "APPLIED":
+            objects = [_applied(objects[0], prepared.surfaces[0])]
+        with whole(*objects):
+            for obj, surface in zip(objects, prepared.surfaces, strict=True):
+                names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
+        bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
+        as_one = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
+        return f"{bands} of {key_label(self.method)} added{as_one}"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out Adjust Last Operation."""
+        layout = self.layout
+        layout.use_property_split = True
+        draw_method(self, layout)
+        draw_reading(self, layout)
+
+
+def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:
+    """The object with the modifiers of ``obj`` applied that takes its place; now the active one."""
+    copy = applied.copy_of(obj)
+    if len(copy.data.vertices) != len(surface.place):
+        bpy.data.meshes.remove(copy.data)
+        raise Refusal("nothing was written, as what its modifiers show changed in the meantime")
+    obj.select_set(False)
+    obj.hide_set(True)
+    copy.select_set(True)
+    bpy.context.view_layer.objects.active = copy
+    note(f"the bands are on {copy.name!r}, with its modifiers applied; {obj.name!r} is hidden")
+    return copy
+
+
+CLASSES = (SPECTRAL_TV_OT_decompose,)

@@ -1,0 +1,58 @@
+"""What the panels share."""
+
+from collections.abc import Callable
+
+import bpy
+
+from ..job import faults, jobs
+from ..job.estimates import Needs
+from ..job.operator import SPECTRAL_TV_OT_cancel
+from ..job.select_faulty import SPECTRAL_TV_OT_select_faulty
+from ..scene.objects import refusal, selected_meshes
+from .sidebar import Sidebar, say
+
+__all__ = ["Sidebar", "draw_fault", "draw_needs", "draw_progress", "draw_selection", "say"]
+
+
+def draw_fault(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draw why vertices of the active object were refused, and a button that selects them."""
+    fault = faults.of(context.active_object)
+    if fault is not None:
+        say(layout, context, f"Refused: {fault.message}", "ERROR")
+        layout.operator(SPECTRAL_TV_OT_select_faulty.bl_idname, icon="RESTRICT_SELECT_OFF")
+
+
+def draw_needs(layout: bpy.types.UILayout, context: bpy.types.Context, needs: Needs) -> None:
+    """Draw what the work that a button starts will take, where that is worth a word."""
+    text = needs.told()
+    if text is not None:
+        say(layout, context, text, "TIME" if needs.fits else "ERROR")
+
+
+def draw_selection(
+    layout: bpy.types.UILayout,
+    context: bpy.types.Context,
+    shared: str,
+    needs: Callable[..., Needs],
+) -> None:
+    """Draw that all selected meshes get the same of something, and what that needs.
+
+    ``needs`` takes the numbers of their vertices.
+    """
+    reason = refusal(context.active_object)
+    objects = selected_meshes(context)
+    if reason is not None:
+        say(layout, context, reason, "INFO")
+    elif len(objects) > 1:
+        say(layout, context, f"{len(objects)} meshes get the same {shared}", "INFO")
+    meshes = {obj.data for obj in objects}  # a shared one is split once
+    draw_needs(layout, context, needs(*(len(mesh.vertices) for mesh in meshes)))
+
+
+def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draw what the job under way does, how far it is, and a button that cancels it."""
+    progress = context.window_manager.spectral_tv.progress
+    row = layout.row(align=True)
+    row.scale_y = 1.4
+    row.progress(text=f"{jobs.running().message} ({progress:.0%})", factor=progress)
+    row.operator(SPECTRAL_TV_OT_cancel.bl_idname, text="", icon="CANCEL")
