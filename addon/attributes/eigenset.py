@@ -1,6 +1,5 @@
 """The operator that tests whether a vertex group is an eigenset."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -32,7 +31,6 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.test_eigenset"
     bl_label = "Test Eigenset"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Testing a vertex group of"
 
     group: StringProperty(
@@ -43,11 +41,6 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, bpy.types.Operator):
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         source, surface = read(obj, "GROUP", self.group), Surface.read(obj, mix.shown(obj))
         return Prepared(source, surface, surface.merge(source.values)[:, 0] >= 0.5)
-
-    def work(
-        self, prepared: Prepared, progress: Callable[[float], None]
-    ) -> spectral_tv.EigensetTest:
-        return spectral_tv.eigenset_test(prepared.surface.mesh, prepared.members, progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         return spectral_tv.start_eigenset_test(prepared.surface.mesh, prepared.members)

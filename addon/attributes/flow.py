@@ -1,7 +1,5 @@
 """The operator that flows an attribute, a vertex group, a color attribute or a shape key."""
 
-from collections.abc import Callable
-
 import bpy
 import spectral_tv
 
@@ -17,14 +15,10 @@ class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeProperties, bpy.types.
 
     bl_idname = "spectral_tv.flow_attribute"
     bl_label = "Flow"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Flowing on"
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         return prepare(obj, self.choice())
-
-    def work(self, prepared: Prepared, progress: Callable[[float], None]) -> spectral_tv.Flow:
-        return spectral_tv.flow(prepared.surface.mesh, **prepared.arguments, progress=progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         return spectral_tv.start_flow(prepared.surface.mesh, **prepared.arguments)

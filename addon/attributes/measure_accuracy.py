@@ -1,6 +1,5 @@
 """The operator that measures how accurate the bands are for the number of steps."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -28,7 +27,6 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
 
     bl_idname = "spectral_tv.measure_accuracy"
     bl_label = "Measure Accuracy"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Measuring the accuracy on"
 
     shown: EnumProperty(
@@ -69,10 +67,6 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
             "bands": settings.bands,
             "scales": settings.scales(surface.mesh),
         }
-
-    def work(self, prepared: Prepared, progress: Callable[[float], None]) -> spectral_tv.Accuracy:
-        surface, arguments = prepared
-        return spectral_tv.accuracy(surface.mesh, **arguments, progress=progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         surface, arguments = prepared

@@ -1,6 +1,5 @@
 """Operators that tell the values of vertices and groups over time: table, picture, file."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,7 +32,6 @@ class SPECTRAL_TV_OT_plot_values(
 
     bl_idname = "spectral_tv.plot_values"
     bl_label = "Plot Values"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Flowing on"
 
     filepath: StringProperty(
@@ -44,10 +42,6 @@ class SPECTRAL_TV_OT_plot_values(
         self.result = "FLOW"
         function = flows.prepare(obj, self.choice(), is_even=True)
         return Prepared(function, curves.parts(obj, self.parts, self.groups))
-
-    def work(self, prepared: Prepared, progress: Callable[[float], None]) -> spectral_tv.Flow:
-        function = prepared.function
-        return spectral_tv.flow(function.surface.mesh, **function.arguments, progress=progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         return spectral_tv.start_flow(prepared.function.surface.mesh, **prepared.function.arguments)

@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
+from ..job.operator import Refusing
 from ..scene.applying import FOLLOWERS, apply_modifier, farthest
 from ..scene.coordinates import seen_coordinates
 from ..scene.notes import gathered
@@ -12,13 +13,12 @@ from ..scene.objects import Refusal, refusal
 VISIBLE = 1e-5
 
 
-class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
+class SPECTRAL_TV_OT_apply_modifier(Refusing, bpy.types.Operator):
     """Apply a modifier to the mesh and to each of its shape keys, which stay with all that animates
     them; Blender itself applies none to a mesh with shape keys"""
 
     bl_idname = "spectral_tv.apply_modifier"
     bl_label = "Apply Modifier, Keep Keys"
-    bl_options = {"REGISTER", "UNDO"}
 
     modifier: StringProperty(
         name="Modifier",
@@ -27,11 +27,8 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        reason = apply_refusal(context.active_object)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return apply_refusal(context.active_object)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.active_object
@@ -45,21 +42,18 @@ class SPECTRAL_TV_OT_apply_modifier(bpy.types.Operator):
                     apply_modifier(obj, name)
                     applied.append(name)
             except Refusal as error:
-                self.report({"ERROR"}, f"{obj.name}: {error}")
+                self.refuse(error, obj)
         if not applied:
             return {"CANCELLED"}
         for renew in renewals:
             renew()
-        self.report({"INFO"}, f"{obj.name}: applied {', '.join(map(repr, applied))}")
         moved = farthest(before, seen_coordinates(obj))
         if moved > VISIBLE * obj.dimensions.length:
             notes.append(
                 f"what is seen has changed, by up to {moved:.2g}: modifiers were applied to each "
                 "shape key by itself, and do not treat their sum or their masks so"
             )
-        for note in notes:
-            self.report({"WARNING"}, f"{obj.name}: {note}")
-        return {"FINISHED"}
+        return self.tell(obj, f"applied {', '.join(map(repr, applied))}", notes)
 
 
 def apply_refusal(obj: bpy.types.Object | None) -> str | None:

@@ -1,6 +1,5 @@
 """The operator that splits the active mesh into bands."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,11 +7,11 @@ import bpy
 import spectral_tv
 from bpy.props import BoolProperty
 
-from ..job import jobs
+from ..job.jobs import Seen
 from ..job.operator import JobOperator
 from ..scene import applied
 from ..scene.notes import note
-from ..scene.objects import Refusal, distinct_meshes, refusal
+from ..scene.objects import Refusal, distinct_meshes
 from ..scene.surface import Surface
 from ..scene.whole import whole
 from .bands import add_bands, prepare_together, recall
@@ -22,12 +21,9 @@ from .settings import key_label
 
 @dataclass(frozen=True)
 class Prepared:
-    """Objects by their names and what they looked like, their surfaces, and the arguments of
-    spectral_tv.decompose.
-    """
+    """The objects, their surfaces, and the arguments of spectral_tv.decompose."""
 
-    names: list[str]
-    states: list[str]
+    seen: list[Seen]
     surfaces: list[Surface]
     arguments: dict[str, Any]
 
@@ -37,7 +33,6 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.O
 
     bl_idname = "spectral_tv.decompose"
     bl_label = "Decompose into Bands"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Decomposing"
 
     together: BoolProperty(
@@ -48,22 +43,11 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.O
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         objects = distinct_meshes(bpy.context) if self.together else [obj]
-        surfaces, arguments = prepare_together(objects, self.settings())
-        return Prepared(
-            [each.name for each in objects],
-            [jobs.state_of(each) for each in objects],
-            surfaces,
-            arguments,
-        )
+        seen = [Seen.of(each) for each in objects]
+        return Prepared(seen, *prepare_together(objects, self.settings()))
 
     def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
         return recall(prepared.surfaces[0], prepared.arguments)
-
-    def work(
-        self, prepared: Prepared, progress: Callable[[float], None]
-    ) -> spectral_tv.Decomposition:
-        mesh = prepared.surfaces[0].mesh
-        return spectral_tv.decompose(mesh, **prepared.arguments, progress=progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         return spectral_tv.start_decompose(prepared.surfaces[0].mesh, **prepared.arguments)
@@ -71,10 +55,10 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.O
     def write(
         self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
     ) -> str:
-        objects = [bpy.data.objects.get(name) for name in prepared.names]
-        for name, obj, state in zip(prepared.names, objects, prepared.states, strict=True):
-            if refusal(obj) is not None or jobs.state_of(obj) != state:
-                raise Refusal(f"nothing was written, as {name} changed in the meantime")
+        objects = [seen.again() for seen in prepared.seen]
+        if None in objects:
+            name = prepared.seen[objects.index(None)].name
+            raise Refusal(f"nothing was written, as {name} changed in the meantime")
         if self.shape == "APPLIED":
             objects = [_applied(objects[0], prepared.surfaces[0])]
         with whole(*objects):

@@ -2,11 +2,11 @@
 
 import bpy
 import numpy as np
-import spectral_tv
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
+from ..job.operator import ChangeOperator
 from ..scene.channels import insert_keyframe
-from ..scene.notes import about, gathered, note
+from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import band_keys, record_of, renew_bands, topology_changed
 from . import filter_curve
@@ -31,43 +31,20 @@ def bands_refusal(obj: bpy.types.Object | None, override: bool = True) -> str | 
     return reason
 
 
-class BandsOperator:
+class BandsOperator(ChangeOperator):
     """What all of them share."""
-
-    bl_options = {"REGISTER", "UNDO"}
 
     # Whether shape keys come or go: on a library override that would not be saved, values are.
     changes_keys = False
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        reason = bands_refusal(context.active_object, override=not cls.changes_keys)
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
-
-    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str | None:
-        """Do it to the active object, and say what was done where that is not seen.
-
-        Raises Refusal or spectral_tv.MeshError if it cannot be done.
-        """
-        raise NotImplementedError
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return bands_refusal(context.active_object, override=not cls.changes_keys)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Do it, and tell what is worth telling."""
-        obj = context.active_object
-        try:
-            with gathered() as notes:
-                renew_bands(obj)
-                done = self.change(context, obj)
-        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
-            return {"CANCELLED"}
-        if done:
-            self.report({"INFO"}, f"{obj.name}: {done}")
-        for each in notes:
-            self.report({"WARNING"}, f"{obj.name}: {each}")
-        return {"FINISHED"}
+        """Do it to what the bands are today."""
+        renew_bands(context.active_object)
+        return super().execute(context)
 
 
 class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
@@ -217,13 +194,11 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
     bands: IntProperty(name="Bands", default=5, min=1, max=32)
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not super().poll(context):
-            return False
-        if not has_flow(record_of(context.active_object).identifier):
-            cls.poll_message_set("The flow is no longer in memory; decompose the mesh again")
-            return False
-        return True
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        reason = super().refusal(context)
+        if reason is None and not has_flow(record_of(context.active_object).identifier):
+            return "The flow is no longer in memory; decompose the mesh again"
+        return reason
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         cut_again(obj, self.bands)

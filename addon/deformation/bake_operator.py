@@ -1,6 +1,5 @@
 """The operator that turns moving handles into a shape-key animation."""
 
-from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -21,7 +20,6 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.bake_deformation"
     bl_label = "Bake Animation"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Baking"
 
     frame_start: IntProperty(name="Start", description="First frame", default=1)
@@ -42,10 +40,6 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
             raise Refusal(f"frame {self.frame_end} comes before frame {self.frame_start}")
         with cursor_progress(bpy.context) as progress:
             return baking.prepare(obj, self._frames(), progress)
-
-    def work(self, prepared: Any, progress: Callable[[float], None]) -> Any:
-        _, targets, deformer = prepared
-        return deformer.solve_sequence(targets, progress=progress)
 
     def start(self, prepared: Any) -> spectral_tv.Job:
         _, targets, deformer = prepared

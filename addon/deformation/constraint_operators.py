@@ -4,28 +4,26 @@ import bmesh
 import bpy
 from bpy.props import EnumProperty
 
+from ..job.operator import ChangeOperator
+from ..scene.notes import note
 from ..scene.objects import Refusal, refusal
 from . import constraints
 from .empties import add_empty
 from .handles import group_weights
 
 
-class ConstraintOperator:
+class ConstraintOperator(ChangeOperator):
     """What all of them share."""
 
-    bl_options = {"REGISTER", "UNDO"}
+    needs_constraint = True
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         obj = context.active_object
         reason = refusal(obj, edit_mode=True)
         if reason is None and cls.needs_constraint and constraints.chosen(obj) is None:
-            reason = "No constraint is chosen"
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
-
-    needs_constraint = True
+            return "No constraint is chosen"
+        return reason
 
 
 class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
@@ -42,25 +40,18 @@ class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
         told = next(item[2] for item in constraints.KINDS if item[0] == properties.kind)
         return f"{told}. Takes the selected vertices in Edit Mode, else the active vertex group"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         label = next(item[1] for item in constraints.KINDS if item[0] == self.kind)
-        try:
-            group = _selected_group(obj, label)
-        except Refusal as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
-            return {"CANCELLED"}
+        group = _selected_group(obj, label)
         constraint = constraints.add(obj, group, self.kind)
         if self.kind == "OBJECT":
             constraint.target = add_empty(obj, group)
         _, weights = group_weights(obj, [group])[group]
         if len(weights) and weights.max() < 1:
-            self.report(
-                {"WARNING"},
-                f"{obj.name}: no vertex of {group!r} has the weight 1, so that it follows like by "
-                f"springs: the largest is {weights.max():.2g}",
+            note(
+                f"no vertex of {group!r} has the weight 1, so that it follows like by springs: the "
+                f"largest is {weights.max():.2g}"
             )
-        return {"FINISHED"}
 
 
 class SPECTRAL_TV_OT_constraint_remove(ConstraintOperator, bpy.types.Operator):
@@ -69,11 +60,10 @@ class SPECTRAL_TV_OT_constraint_remove(ConstraintOperator, bpy.types.Operator):
     bl_idname = "spectral_tv.constraint_remove"
     bl_label = "Remove Constraint"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        deformation = constraints.deformation_of(context.active_object)
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        deformation = constraints.deformation_of(obj)
         deformation.constraints.remove(deformation.active)
         deformation.active = max(deformation.active - 1, 0)
-        return {"FINISHED"}
 
 
 class SPECTRAL_TV_OT_constraint_rest(ConstraintOperator, bpy.types.Operator):
@@ -82,14 +72,8 @@ class SPECTRAL_TV_OT_constraint_rest(ConstraintOperator, bpy.types.Operator):
     bl_idname = "spectral_tv.constraint_rest"
     bl_label = "Set Rest"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
-        try:
-            constraints.chosen(obj).set_rest()
-        except Refusal as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        constraints.chosen(obj).set_rest()
 
 
 def _selected_group(obj: bpy.types.Object, label: str) -> str:

@@ -1,6 +1,5 @@
 """The operator that deforms the active mesh by its constraints."""
 
-from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -20,7 +19,6 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operat
 
     bl_idname = "spectral_tv.deform"
     bl_label = "Deform"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Deforming"
 
     @classmethod
@@ -32,12 +30,6 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operat
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(deformation_of(obj), name))
         return prepare(obj, self.algorithm, self.softness)
-
-    def work(
-        self, prepared: Prepared, progress: Callable[[float], None]
-    ) -> spectral_tv.Deformation:
-        deformable, arguments = prepared
-        return spectral_tv.deform(deformable.surface.mesh, **arguments, progress=progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         deformable, arguments = prepared

@@ -1,13 +1,11 @@
 """The operator that deforms while handles are dragged."""
 
 import bpy
-import spectral_tv
 
-from ..job import faults, jobs
-from ..job import timers as _timers
+from ..job import faults, jobs, timers
+from ..job.operator import REFUSALS, Refusing
 from ..job.progress import redraw_sidebars
 from ..scene.notes import gathered
-from ..scene.objects import Refusal
 from .deform import follow_refusal
 from .live import LiveDeformation
 
@@ -15,13 +13,12 @@ from .live import LiveDeformation
 POLL = 1 / 60
 
 
-class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
+class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
     """Deform while handles are moved: drag an empty, pose a bone or play the animation. Press
     again, or Esc, to end"""
 
     bl_idname = "spectral_tv.deform_live"
     bl_label = "Live"
-    bl_options = {"REGISTER", "UNDO"}
 
     # The one that runs; pressing the button again ends it.
     _running: "SPECTRAL_TV_OT_deform_live | None" = None
@@ -42,17 +39,15 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
         return "" if cls._running is None else cls._running._problem
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def refusal(cls, context: bpy.types.Context) -> str | None:
         if cls.is_running():
-            return True
+            return None
         reason = follow_refusal(context.active_object)
         if reason is None and jobs.running() is not None:
             reason = f"{jobs.running().message}; Esc cancels it"
         if reason is None and bpy.app.background:
             reason = "There is nothing to drag without a window"
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+        return reason
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         cls = type(self)
@@ -65,13 +60,12 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
         try:
             with faults.kept(context.active_object), gathered() as notes:
                 self._live = LiveDeformation(context.active_object)
-        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
-            self.report({"ERROR"}, f"{self._object_name}: {error}")
-            return {"CANCELLED"}
+        except REFUSALS as error:
+            return self.refuse(error, context.active_object)
         self._tell(notes)
         self.should_end = False
         cls._running = self
-        self._timer = _timers.add(context, POLL)
+        self._timer = timers.add(context, POLL)
         context.window_manager.modal_handler_add(self)
         redraw_sidebars(context)
         return {"RUNNING_MODAL"}
@@ -87,7 +81,7 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
             try:
                 with gathered() as notes:
                     self._live.update()
-            except (spectral_tv.MeshError, RuntimeError, Refusal, MemoryError) as error:
+            except (*REFUSALS, RuntimeError) as error:
                 self.cancel(context)
                 self.report({"WARNING"}, f"{self._object_name}: no longer live: {error}")
                 return {"FINISHED"}
@@ -112,7 +106,7 @@ class SPECTRAL_TV_OT_deform_live(bpy.types.Operator):
         self._live = None  # Blender keeps the last operators
         if type(self)._running is self:
             type(self)._running = None
-        _timers.remove(self._timer)
+        timers.remove(self._timer)
         redraw_sidebars(context)
 
 

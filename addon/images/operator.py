@@ -1,7 +1,5 @@
 """The operator that splits an image into bands or filters it."""
 
-from collections.abc import Callable
-
 import bpy
 import spectral_tv
 from bpy.props import StringProperty
@@ -19,7 +17,6 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageProperties, bpy.types.Operat
 
     bl_idname = "spectral_tv.filter_image"
     bl_label = "Filter Image"
-    bl_options = {"REGISTER", "UNDO"}
     working = "Flowing"
 
     image: StringProperty(
@@ -64,9 +61,6 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageProperties, bpy.types.Operat
 
     def recall(self, prepared: Prepared) -> Still | None:
         return STILL if prepared.request.is_still else None
-
-    def work(self, prepared: Prepared, progress: Callable[[float], None]) -> spectral_tv.Flow:
-        return prepared.request.run(progress)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         return prepared.request.start()

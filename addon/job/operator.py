@@ -1,6 +1,10 @@
-"""What operators share whose work is a job: blocking in scripts, modal in a window."""
+"""What operators share: they refuse, change something at once, or have a job work.
+
+A job blocks in scripts, and runs beside a window, where Esc cancels it.
+"""
 
 import time
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import bpy
@@ -9,12 +13,14 @@ from bpy.props import FloatProperty
 
 from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
-from . import faults, jobs
-from . import timers as _timers
+from . import faults, jobs, timers
+from .jobs import Chain, state_of
 from .progress import cursor_progress, redraw_sidebars
 
 # Seconds between two looks at the job; Esc is an event of its own and does not wait for them.
 POLL = 0.05
+# What keeps an operator from working; the message is for the user.
+REFUSALS = (spectral_tv.MeshError, Refusal, MemoryError)
 
 
 class SpectralTVWindowManager(bpy.types.PropertyGroup):
@@ -23,8 +29,64 @@ class SpectralTVWindowManager(bpy.types.PropertyGroup):
     progress: FloatProperty(name="Progress", min=0, max=1, subtype="FACTOR")
 
 
-class JobOperator:
-    """The four parts of such an operator, and the running of them."""
+class Refusing:
+    """An operator that says why it cannot run."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        """Why it cannot run now, in a sentence for the user; None if it can."""
+        raise NotImplementedError
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        reason = cls.refusal(context)
+        if reason is not None:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def refuse(self, error: Exception, subject: bpy.types.ID | None) -> set[str]:
+        """Report an error, and that nothing was done."""
+        self.report({"ERROR"}, str(error) if subject is None else f"{subject.name}: {error}")
+        return {"CANCELLED"}
+
+    def tell(self, subject: bpy.types.ID, done: str | None, notes: Iterable[str]) -> set[str]:
+        """Report what was done, and what was noted."""
+        if done:
+            self.report({"INFO"}, f"{subject.name}: {done}")
+        for text in dict.fromkeys(notes):
+            self.report({"WARNING"}, f"{subject.name}: {text}")
+        return {"FINISHED"}
+
+
+class ChangeOperator(Refusing):
+    """An operator that changes the active object at once."""
+
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str | None:
+        """Do it, and say what was done where that is not seen.
+
+        Raises Refusal or spectral_tv.MeshError if it cannot be done.
+        """
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Do it, and tell what is worth telling."""
+        obj = context.active_object
+        try:
+            with gathered() as notes:
+                done = self.change(context, obj)
+        except REFUSALS as error:
+            return self.refuse(error, obj)
+        return self.tell(obj, done, notes)
+
+
+class JobOperator(Refusing):
+    """An operator whose work is a job.
+
+    A subclass says what it works on by `prepare`, how by `start`, and what becomes of it by
+    `write`.
+    """
 
     # What the user sees while it runs, before the object's name.
     working: str
@@ -33,21 +95,17 @@ class JobOperator:
         """Read of the subject what the work needs; raises Refusal or spectral_tv.MeshError."""
         raise NotImplementedError
 
-    def recall(self, _prepared: Any) -> Any:
-        """The result, if it is known without work."""
-        return None
-
-    def work(self, prepared: Any, progress: Any) -> Any:
-        """Do the work and return its result; ``progress`` takes the fraction done."""
-        raise NotImplementedError
-
-    def start(self, prepared: Any) -> spectral_tv.Job:
-        """Start the same work in a thread."""
+    def start(self, prepared: Any) -> spectral_tv.Job | Chain:
+        """Start the work in a thread."""
         raise NotImplementedError
 
     def write(self, obj: bpy.types.Object, prepared: Any, result: Any) -> str:
         """Write the result and say what was done."""
         raise NotImplementedError
+
+    def recall(self, _prepared: Any) -> Any:
+        """The result, if it is known without work."""
+        return None
 
     @classmethod
     def subject(cls, context: bpy.types.Context) -> bpy.types.ID | None:
@@ -71,7 +129,7 @@ class JobOperator:
     @staticmethod
     def state(subject: bpy.types.ID) -> str:
         """Digest of all that a result depends on."""
-        return jobs.state_of(subject)
+        return state_of(subject)
 
     @staticmethod
     def shared(obj: bpy.types.ID) -> str:
@@ -81,21 +139,27 @@ class JobOperator:
         return f"; {obj.data.users} objects share this mesh and its shape keys"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        reason = cls.refusal(context)
-        if reason is None and jobs.running() is not None:
-            reason = f"{jobs.running().message}; Esc cancels it"
-        if reason is not None:
-            cls.poll_message_set(reason)
-        return reason is None
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return cls.unusable(cls.subject(context))
 
     @classmethod
-    def refusal(cls, context: bpy.types.Context) -> str | None:
-        """Why the operator cannot run now, in a sentence for the user."""
-        return cls.unusable(cls.subject(context))
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not super().poll(context):
+            return False
+        if jobs.running() is not None:
+            cls.poll_message_set(f"{jobs.running().message}; Esc cancels it")
+        return jobs.running() is None
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Run to completion: in scripts, in the background, and on Adjust Last Operation."""
+        return self._run(context, self._wait)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Run in a thread; the window stays alive and Esc cancels."""
+        return self._run(context, self._wait if bpy.app.background else self._watch)
+
+    def _run(self, context: bpy.types.Context, work: Callable[..., Any]) -> set[str]:
+        """Begin; ``work`` returns the result, or None where that will come."""
         self._started = time.perf_counter()
         obj = None
         try:
@@ -104,38 +168,24 @@ class JobOperator:
                 prepared = self.prepare(obj)
             result = self.recall(prepared)
             if result is None:
-                with cursor_progress(context) as progress:
-                    result = self.work(prepared, progress)
-        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}" if obj is not None else str(error))
-            return {"CANCELLED"}
-        return self._finish(obj, prepared, result)
+                result = work(context, obj, prepared)
+        except REFUSALS as error:
+            return self.refuse(error, obj)
+        return {"RUNNING_MODAL"} if result is None else self._finish(obj, prepared, result)
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Run in a thread; the window stays alive and Esc cancels."""
-        if bpy.app.background:
-            return self.execute(context)
-        self._started = time.perf_counter()
-        obj = None
-        try:
-            obj = self.chosen(context)
-            with faults.kept(obj), gathered() as self._notes:
-                prepared = self.prepare(obj)
-            result = self.recall(prepared)
-            if result is not None:
-                return self._finish(obj, prepared, result)
-            message = f"{self.working} {obj.name}"
-            self._mine = jobs.start(self.start(prepared), obj.name, self.state(obj), message)
-        except (spectral_tv.MeshError, Refusal, MemoryError) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}" if obj is not None else str(error))
-            return {"CANCELLED"}
+    def _wait(self, context: bpy.types.Context, _obj: bpy.types.ID, prepared: Any) -> Any:
+        with cursor_progress(context) as progress:
+            return self.start(prepared).result(progress)
+
+    def _watch(self, context: bpy.types.Context, obj: bpy.types.ID, prepared: Any) -> None:
+        message = f"{self.working} {obj.name}"
+        self._mine = jobs.start(self.start(prepared), obj.name, self.state(obj), message)
         self._prepared = prepared
         manager = context.window_manager
         manager.spectral_tv.progress = 0
-        self._timer = _timers.add(context, POLL)
+        self._timer = timers.add(context, POLL)
         manager.modal_handler_add(self)
         redraw_sidebars(context)
-        return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         running = self._mine
@@ -159,7 +209,7 @@ class JobOperator:
         """Leave nothing behind; Blender calls it too when it ends the operator itself."""
         if jobs.running() is self._mine:
             jobs.finish()
-        _timers.remove(self._timer)
+        timers.remove(self._timer)
         # Blender keeps the last operators, for Adjust Last Operation; what they held is large.
         self._mine = self._prepared = None
         redraw_sidebars(context)
@@ -182,8 +232,7 @@ class JobOperator:
         try:
             result = running.job.result()
         except (spectral_tv.MeshError, RuntimeError, MemoryError) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
-            return {"CANCELLED"}
+            return self.refuse(error, obj)
         return self._finish(obj, prepared, result)
 
     def _finish(self, obj: bpy.types.Object, prepared: Any, result: Any) -> set[str]:
@@ -191,13 +240,10 @@ class JobOperator:
             with gathered() as later:
                 done = self.write(obj, prepared, result)
         except (Refusal, MemoryError) as error:
-            self.report({"ERROR"}, f"{obj.name}: {error}")
-            return {"CANCELLED"}
-        message = f"{obj.name}: {done} in {time.perf_counter() - self._started:.1f} s"
-        self.report({"INFO"}, message + self.shared(obj))
-        for note in dict.fromkeys([*self._notes, *later]):
-            self.report({"WARNING"}, f"{obj.name}: {note}")
-        return {"FINISHED"}
+            return self.refuse(error, obj)
+        seconds = time.perf_counter() - self._started
+        text = f"{done} in {seconds:.1f} s{self.shared(obj)}"
+        return self.tell(obj, text, [*self._notes, *later])
 
 
 class SPECTRAL_TV_OT_cancel(bpy.types.Operator):

@@ -3,32 +3,29 @@
 import bmesh
 import bpy
 
+from ..scene.objects import Refusal
 from . import faults
+from .operator import ChangeOperator
 
 
-class SPECTRAL_TV_OT_select_faulty(bpy.types.Operator):
+class SPECTRAL_TV_OT_select_faulty(ChangeOperator, bpy.types.Operator):
     """Select the vertices that the message is about, in Edit Mode: to delete them, or to give them
     coordinates in the sidebar's tab Item"""
 
     bl_idname = "spectral_tv.select_faulty"
     bl_label = "Select Vertices"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if faults.of(context.active_object) is not None:
-            return True
-        cls.poll_message_set("No vertex of the active object was refused")
-        return False
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        known = faults.of(context.active_object) is not None
+        return None if known else "No vertex of the active object was refused"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
         if obj.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         fault = faults.of(obj)
         if fault is None:
-            self.report({"ERROR"}, f"{obj.name}: its vertices changed since; run it again")
-            return {"CANCELLED"}
+            raise Refusal("its vertices changed since; run it again")
         context.tool_settings.mesh_select_mode = (True, False, False)
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
@@ -41,8 +38,7 @@ class SPECTRAL_TV_OT_select_faulty(bpy.types.Operator):
         bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
         count = len(fault.vertices)
         vertices = "1 vertex" if count == 1 else f"{count} vertices"
-        self.report({"INFO"}, f"{obj.name}: {vertices} selected")
-        return {"FINISHED"}
+        return f"{vertices} selected"
 
 
 CLASSES = (SPECTRAL_TV_OT_select_faulty,)

@@ -299,9 +299,9 @@ def test_the_spectrum_shows_the_bands_from_left_to_right(banded):
     spectrum = import_module(f"{EXTENSION}.bands.spectrum")
     record = banded.data.shape_keys.spectral_tv
     bottom = [tuple(pixel) for pixel in spectrum.picture(record)[0]]
-    colours = [tuple(np.float32(spectrum.colour(band, 4))) for band in range(4)]
-    seen = [pixel for pixel in bottom if pixel in colours]
-    assert [pixel for pixel, _ in groupby(seen)] == colours
+    colors = [tuple(np.float32(spectrum.color(band, 4))) for band in range(4)]
+    seen = [pixel for pixel in bottom if pixel in colors]
+    assert [pixel for pixel, _ in groupby(seen)] == colors
     assert spectrum.icon(record) == spectrum.icon(record)
 
 

@@ -47,7 +47,7 @@ def test_several_meshes_take_what_they_take_together_and_other_work_is_told_too(
     assert two.seconds == 2 * one.seconds
     assert two.bytes == 2 * one.bytes
     assert estimates("bands").of_accuracy("M2", 5000, 32).seconds > 5 * one.seconds
-    plain, exact = (estimates().of_values(10**7, 32, exact=exact) for exact in (False, True))
+    plain, exact = (estimates("job").of_values(10**7, 32, exact=exact) for exact in (False, True))
     assert exact.seconds > plain.seconds
     assert re.match(r"About \d+ (s|min|h), .* of memory|About .* are free", plain.told())
 
