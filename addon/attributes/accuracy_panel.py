@@ -4,18 +4,17 @@ from itertools import chain
 
 import bpy
 
-from ..bands import estimates
 from ..bands.bands import settings_as_taken
 from ..bands.bands_panel import BandsPanel
-from ..bands.settings import STEPLESS
-from ..drawing.work import draw_needs, draw_progress
-from ..job import jobs
+from ..bands.estimates import of_accuracy
+from ..bands.methods import METHODS
+from ..drawing.work import WorkPanel, draw_button, draw_needs
 from ..scene.records import record_of
 from . import accuracy
 from .measure_accuracy import SPECTRAL_TV_OT_measure_accuracy
 
 
-class SPECTRAL_TV_PT_accuracy(BandsPanel, bpy.types.Panel):
+class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
     """How accurate the bands are for the number of steps"""
 
     bl_label = "Accuracy"
@@ -25,23 +24,18 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.active_object
-        return super().poll(context) and record_of(obj).method not in STEPLESS
+        return super().poll(context) and METHODS[record_of(obj).method].takes_steps
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
+    def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
-        record = record_of(obj)
-        settings = settings_as_taken(record)
-        if jobs.running() is not None:
-            draw_progress(layout, context)
-            return
+        settings = settings_as_taken(record_of(obj))
         count = len(obj.data.vertices)
         layout.label(text=f"{settings.steps} steps, a half and a quarter of them", icon="BLANK1")
-        draw_needs(layout, context, estimates.of_accuracy(record.method, count, settings.steps))
-        operator = layout.operator(
-            SPECTRAL_TV_OT_measure_accuracy.bl_idname, icon="DRIVER_DISTANCE"
+        draw_needs(layout, context, of_accuracy(settings.method, count, settings.steps))
+        button = draw_button(
+            layout, SPECTRAL_TV_OT_measure_accuracy, "DRIVER_DISTANCE", is_tall=False
         )
-        operator.of_bands = True
+        button.of_bands = True
         text = obj.data.spectral_tv.accuracy
         if text is None:
             return

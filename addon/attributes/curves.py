@@ -15,10 +15,6 @@ from ..scene.whole import whole
 from .flows import Prepared
 from .sources import read
 
-PARTS = (
-    ("GROUPS", "Vertex Groups", "The mean value of every chosen vertex group"),
-    ("VERTICES", "Selected Vertices", "The value of every vertex selected in Edit Mode"),
-)
 MOST_VERTICES = 16
 CHANNELS = ("X", "Y", "Z")
 COLORS = ("R", "G", "B")

@@ -4,12 +4,13 @@ import bpy
 import spectral_tv
 
 from ..job.operator import JobOperator
+from ..options import rows
 from .flows import Prepared, prepare, results
 from .outputs import write
-from .properties import AttributeProperties
+from .properties import COLUMNS, AttributeChoices
 
 
-class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeProperties, bpy.types.Operator):
+class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeChoices, bpy.types.Operator):
     """Smooth or filter an attribute, a vertex group, a color attribute or a shape key on the
     surface. Writes beside it; running again replaces what was written"""
 
@@ -18,13 +19,13 @@ class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeProperties, bpy.types.
     working = "Flowing on"
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        return prepare(obj, self.choice())
+        return prepare(obj, self.settings())
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         return spectral_tv.start_flow(prepared.surface.mesh, **prepared.arguments)
 
     def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Flow) -> str:
-        found = results(prepared, self.choice(), result)
+        found = results(prepared, self.settings(), result)
         names = write(obj, prepared.source, found)
         text = f"{prepared.source.name!r} written as {', '.join(map(repr, names))}"
         if prepared.source.kind == "GROUP" and len(found) == 1:
@@ -37,7 +38,7 @@ class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeProperties, bpy.types.
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""
         self.layout.use_property_split = True
-        self.draw_choice(self.layout)
+        rows.draw(self.layout, self, *COLUMNS)
 
 
 CLASSES = (SPECTRAL_TV_OT_flow_attribute,)

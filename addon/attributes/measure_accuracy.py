@@ -8,10 +8,11 @@ import spectral_tv
 from bpy.props import BoolProperty, EnumProperty
 
 from ..bands.bands import base_shape, settings_as_taken
-from ..bands.properties import DecompositionProperties, draw_method, fill
-from ..bands.settings import STEPLESS, key_label
+from ..bands.methods import METHODS
+from ..bands.properties import DecompositionChoices
 from ..bands.shapes import read_surfaces
 from ..job.operator import JobOperator
+from ..options import rows
 from ..scene.objects import Refusal
 from ..scene.records import record_of
 from ..scene.surface import Surface
@@ -21,7 +22,7 @@ from . import accuracy
 Prepared = tuple[Surface, dict[str, Any]]
 
 
-class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.types.Operator):
+class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.types.Operator):
     """Measure how the errors of the bands fall with the number of steps, against a flow with eight
     times as many: as a table, and per vertex as attributes and a color attribute"""
 
@@ -48,14 +49,14 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
             record = record_of(obj)
             if record is None:
                 raise Refusal("it has no bands; decompose it first")
-            fill(self, settings_as_taken(record))
+            self.fill(settings_as_taken(record))
             self.of_bands = False  # what is adjusted afterwards counts
         # All steps are measured, and nothing is limited.
         settings = replace(self.settings(), accuracy=0.0, vertex_group="")
-        if settings.method in STEPLESS:
+        if not settings.by.takes_steps:
             raise Refusal("this method takes no time steps, so there is nothing to measure")
-        if settings.bands >= settings.steps:
-            raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
+        if settings.complaint() is not None:
+            raise Refusal(settings.complaint())
         surface = read_surfaces([obj], settings, without_bands=True)[0]
         base = base_shape([obj], settings, [surface])
         arguments = settings.arguments(surface.mesh, base)
@@ -74,7 +75,7 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
 
     def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Accuracy) -> str:
         surface, _ = prepared
-        names = accuracy.write(obj, key_label(self.method), surface, result, self.shown)
+        names = accuracy.write(obj, METHODS[self.method].key_label, surface, result, self.shown)
         rows = accuracy.summary(obj.data.spectral_tv.accuracy.as_string())[1:]
         parts = [
             f"{steps} steps: bands {bands}, paper's all-pass {paper}"
@@ -85,7 +86,7 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionProperties, bpy.
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""
         self.layout.use_property_split = True
-        draw_method(self, self.layout)
+        rows.draw(self.layout, self, "method")
         self.layout.prop(self, "shown")
 
 

@@ -2,69 +2,54 @@
 
 import bpy
 
-from ..bands.properties import copy_choices
-from ..drawing.work import Sidebar, draw_needs, draw_progress, say
-from ..job import estimates, jobs
-from ..scene.objects import is_mesh, refusal
+from ..drawing.sidebar import Sidebar, say
+from ..drawing.work import MeshPanel, draw_button, draw_needs
+from ..job.estimates import of_values
+from ..options import rows
+from ..scene.objects import refusal
 from .eigenset import SPECTRAL_TV_OT_test_eigenset
 from .flow import SPECTRAL_TV_OT_flow_attribute
-from .properties import AttributeProperties, MeasureProperties
+from .properties import COLUMNS
 from .values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
 
 
-class SPECTRAL_TV_PT_attributes(Sidebar, bpy.types.Panel):
+class SPECTRAL_TV_PT_attributes(MeshPanel, bpy.types.Panel):
     """Smooth and filter what is on the surface"""
 
     bl_label = "Attributes"
-    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 4
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return is_mesh(context.active_object)
+    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        rows.draw(layout, context.scene.spectral_tv_attributes, *COLUMNS)
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.scene.spectral_tv_attributes
-        settings.draw_choice(layout)
-        if jobs.running() is not None:
-            draw_progress(layout, context)
-            return
+    def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        choices = context.scene.spectral_tv_attributes
         reason = refusal(context.active_object)
         if reason is not None:
             say(layout, context, reason, "INFO")
-        count = len(context.active_object.data.vertices)
-        is_exact = settings.exact and settings.law == "TV"
-        draw_needs(layout, context, estimates.of_values(count, settings.steps, exact=is_exact))
-        row = layout.row()
-        row.scale_y = 1.4
-        operator = row.operator(SPECTRAL_TV_OT_flow_attribute.bl_idname, icon="MOD_SMOOTH")
-        copy_choices(AttributeProperties, settings, operator)
+        count, settings = len(context.active_object.data.vertices), choices.settings()
+        draw_needs(layout, context, of_values(count, settings.steps, exact=settings.is_exact))
+        draw_button(layout, SPECTRAL_TV_OT_flow_attribute, "MOD_SMOOTH", choices)
 
 
-class SPECTRAL_TV_PT_values(Sidebar, bpy.types.Panel):
-    """How values fall while they flow"""
+class AttributesPart(Sidebar):
+    """A sub-panel of it."""
 
-    bl_label = "Values over Time"
     bl_parent_id = "SPECTRAL_TV_PT_attributes"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.scene.spectral_tv_attributes
-        layout.prop(settings, "size")
-        layout.prop(settings, "parts")
-        row = layout.row()
-        row.active = settings.parts == "GROUPS"
-        row.prop(settings, "groups")
+
+class SPECTRAL_TV_PT_values(AttributesPart, bpy.types.Panel):
+    """How values fall while they flow"""
+
+    bl_label = "Values over Time"
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        choices = context.scene.spectral_tv_attributes
+        layout.prop(choices, "size")
+        rows.draw(layout, choices, "parts")
         row = layout.row(align=True)
-        operator = row.operator(SPECTRAL_TV_OT_plot_values.bl_idname, icon="FCURVE")
-        copy_choices(AttributeProperties, settings, operator)
-        copy_choices(MeasureProperties, settings, operator)
+        draw_button(row, SPECTRAL_TV_OT_plot_values, "FCURVE", choices, is_tall=False)
         row.operator(SPECTRAL_TV_OT_export_values.bl_idname, icon="EXPORT")
         picture = context.active_object.data.spectral_tv.picture
         if picture is not None and picture.preview is not None:
@@ -72,21 +57,16 @@ class SPECTRAL_TV_PT_values(Sidebar, bpy.types.Panel):
             layout.label(text=picture.name, icon="IMAGE_DATA")
 
 
-class SPECTRAL_TV_PT_eigenset(Sidebar, bpy.types.Panel):
+class SPECTRAL_TV_PT_eigenset(AttributesPart, bpy.types.Panel):
     """Whether a vertex group fades as a whole"""
 
     bl_label = "Eigenset Test"
-    bl_parent_id = "SPECTRAL_TV_PT_attributes"
-    bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.scene.spectral_tv_attributes
-        layout.prop_search(settings, "group", context.active_object, "vertex_groups")
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        choices = context.scene.spectral_tv_attributes
+        layout.prop_search(choices, "group", context.active_object, "vertex_groups")
         operator = layout.operator(SPECTRAL_TV_OT_test_eigenset.bl_idname, icon="VIEWZOOM")
-        operator.group = settings.group
+        operator.group = choices.group
 
 
 CLASSES = (SPECTRAL_TV_PT_attributes, SPECTRAL_TV_PT_values, SPECTRAL_TV_PT_eigenset)

@@ -13,7 +13,7 @@ from ..files.whole import NotWritten, write_text
 from ..job.operator import JobOperator
 from ..scene.objects import Refusal
 from . import curves, flows
-from .properties import AttributeProperties, MeasureProperties
+from .properties import MeasureChoices
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,7 @@ class Prepared:
     parts: dict[str, np.ndarray]
 
 
-class SPECTRAL_TV_OT_plot_values(
-    JobOperator, AttributeProperties, MeasureProperties, bpy.types.Operator
-):
+class SPECTRAL_TV_OT_plot_values(JobOperator, MeasureChoices, bpy.types.Operator):
     """Flow to the chosen size, and tell the mean values of vertex groups, or those of single
     vertices, at all times: as a text, and as an image of the curves"""
 
@@ -40,7 +38,7 @@ class SPECTRAL_TV_OT_plot_values(
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         self.result = "FLOW"
-        function = flows.prepare(obj, self.choice(), is_even=True)
+        function = flows.prepare(obj, self.settings(), is_even=True)
         return Prepared(function, curves.parts(obj, self.parts, self.groups))
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:

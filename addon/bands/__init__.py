@@ -8,7 +8,6 @@ from . import (
     bands,
     bands_panel,
     caricature,
-    caricature_panel,
     decompose,
     decompose_panel,
     properties,
@@ -27,7 +26,6 @@ _FILES = (
     caricature,
     decompose_panel,
     bands_panel,
-    caricature_panel,
 )
 CLASSES = tuple(cls for file in _FILES for cls in file.CLASSES)
 PROPERTIES = (
@@ -36,7 +34,7 @@ PROPERTIES = (
     (
         bpy.types.Scene,
         "spectral_tv_caricature",
-        PointerProperty(type=properties.SpectralTVCaricature),
+        PointerProperty(type=caricature.SpectralTVCaricature),
     ),
 )
 VERBS = (verb.Decompose(),)

@@ -26,7 +26,8 @@ from ..scene.records import (
 from ..scene.shape_keys import add_displacements, key_shape
 from ..scene.surface import Surface, flattened, shape_of
 from . import recut
-from .settings import WITH_BASE, Settings, key_label
+from .methods import METHODS
+from .settings import Settings
 from .shapes import read_surfaces
 from .solo import end_solo
 
@@ -56,7 +57,7 @@ def base_shape(
 
     Raises Refusal if the shape key it should be does not exist, or is not finite.
     """
-    if settings.method not in WITH_BASE or settings.base == "FLOW":
+    if not settings.by.takes_base or settings.base == "FLOW":
         return None
     if settings.base == "FLAT":
         return flattened(surfaces[0])
@@ -88,8 +89,8 @@ def prepare_together(
     objects: Sequence[bpy.types.Object], settings: Settings
 ) -> tuple[list[Surface], dict[str, Any]]:
     """The same of objects that are decomposed as one surface."""
-    if settings.band_count >= settings.least_steps:
-        raise Refusal(f"{settings.bands} bands need more than {settings.least_steps} steps")
+    if settings.complaint() is not None:
+        raise Refusal(settings.complaint())
     for obj in objects:
         if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
             raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
@@ -279,7 +280,7 @@ def _source(surface: Surface, arguments: dict[str, Any]) -> str:
 
 
 def _names(method: str, count: int) -> list[str]:
-    return [f"{key_label(method)} Band {band + 1}" for band in range(count)]
+    return [f"{METHODS[method].key_label} Band {band + 1}" for band in range(count)]
 
 
 def _add_keys(

@@ -4,7 +4,7 @@ import math
 
 import bpy
 
-from ..drawing.work import Sidebar, say
+from ..drawing.sidebar import Sidebar, say
 from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
 from . import filter_curve, spectrum
 from . import set_bands as operators
@@ -16,6 +16,8 @@ from .take_bands import SPECTRAL_TV_OT_take_bands
 class BandsPanel(Sidebar):
     """Shown once the active object has bands that still fit its mesh."""
 
+    is_split = False
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.active_object
@@ -26,13 +28,13 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
     """The bands of the active object"""
 
     bl_label = "Bands"
+    is_split = False
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return record_of(context.active_object) is not None
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
         record = record_of(obj)
         if topology_changed(obj):
@@ -87,8 +89,7 @@ class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
     bl_label = "Filters"
     bl_parent_id = "SPECTRAL_TV_PT_bands"
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         settings = context.scene.spectral_tv_filter
         row = layout.row(align=True)
         row.prop(settings, "first")
@@ -111,8 +112,7 @@ class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
     bl_parent_id = "SPECTRAL_TV_PT_bands"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, _context: bpy.types.Context) -> None:
-        layout = self.layout
+    def rows(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         node = filter_curve.find()
         if node is None:
             layout.operator(operators.SPECTRAL_TV_OT_add_curve.bl_idname, icon="FCURVE")
@@ -137,8 +137,7 @@ class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         return super().poll(context) and len(context.active_object.modifiers) > 0
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
         reason = apply_refusal(obj)
         if reason is not None:

@@ -1,4 +1,4 @@
-"""The operator that exaggerates all selected meshes alike."""
+"""Exaggerating all selected meshes alike: options, operator and panel."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -7,16 +7,65 @@ from typing import Any
 import bpy
 import spectral_tv
 
+from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..job.jobs import Chain, Seen, read_each, unchanged
 from ..job.operator import JobOperator
+from ..options import rows
+from ..options.declaring import choice, integer, number
+from ..options.properties import choices_of
 from ..scene.notes import about, note
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from ..scene.whole import whole
 from .bands import add_bands, prepare, recall, set_values
+from .estimates import of_meshes
 from .gains import caricature_values
-from .properties import CaricatureProperties
-from .settings import Settings
+from .methods import OF_THE_PAPER
+from .settings import STEPS, Settings
+
+
+@dataclass(frozen=True)
+class CaricatureSettings:
+    """Which bands of all meshes are exaggerated, and which are smoothed away."""
+
+    method: str = choice(
+        "Method",
+        "What the bands split off",
+        [each.item for each in OF_THE_PAPER],
+        "M3",
+        place="method",
+    )
+    bands: int = integer("Bands", "Number of bands", 5, 2, 32, place="method")
+    steps: int = integer("Steps", STEPS, 32, 3, 1000, soft_most=128, place="method")
+    first: int = integer(
+        "From", "First exaggerated band; 1 is the finest", 4, 1, None, place="range"
+    )
+    last: int = integer("To", "Last exaggerated band; 1 is the finest", 5, 1, None, place="range")
+    amount: float = number(
+        "Exaggerate by",
+        "How much is added to these bands: 1 doubles them",
+        1,
+        None,
+        None,
+        soft_least=-1,
+        soft_most=4,
+        place="amount",
+    )
+    smooth: int = integer(
+        "Smooth",
+        "So many of the finest bands are removed; 0 keeps the skin",
+        1,
+        0,
+        None,
+        place="amount",
+    )
+
+
+CaricatureChoices = choices_of(CaricatureSettings)
+
+
+class SpectralTVCaricature(CaricatureChoices, bpy.types.PropertyGroup):
+    """The choices in the sidebar, kept with the scene."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +77,7 @@ class Pose:
     arguments: dict[str, Any]
 
 
-class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureProperties, bpy.types.Operator):
+class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operator):
     """Split all selected meshes into bands alike, and exaggerate the same bands of each; the
     finest ones can be smoothed away. Different poses then keep one character"""
 
@@ -80,4 +129,20 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureProperties, bpy.types.Ope
         return Settings(method=self.method, bands=self.bands, steps=self.steps)
 
 
-CLASSES = (SPECTRAL_TV_OT_caricature,)
+class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
+    """One exaggeration for many poses"""
+
+    bl_label = "Caricature"
+    bl_order = 2
+
+    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        rows.draw(layout, context.scene.spectral_tv_caricature, "method", "range", "amount")
+
+    def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        choices = context.scene.spectral_tv_caricature
+        settings = Settings(method=choices.method, steps=choices.steps)
+        draw_selection(layout, context, "filter", partial(of_meshes, settings))
+        draw_button(layout, SPECTRAL_TV_OT_caricature, "OUTLINER_OB_ARMATURE", choices)
+
+
+CLASSES = (SpectralTVCaricature, SPECTRAL_TV_OT_caricature, SPECTRAL_TV_PT_caricature)

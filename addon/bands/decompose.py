@@ -9,14 +9,14 @@ from bpy.props import BoolProperty
 
 from ..job.jobs import Seen
 from ..job.operator import JobOperator
+from ..options import rows
 from ..scene import applied
 from ..scene.notes import note
 from ..scene.objects import Refusal, distinct_meshes
 from ..scene.surface import Surface
 from ..scene.whole import whole
 from .bands import add_bands, prepare_together, recall
-from .properties import DecompositionProperties, draw_method, draw_reading
-from .settings import key_label
+from .properties import DecompositionChoices
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Prepared:
     arguments: dict[str, Any]
 
 
-class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.Operator):
+class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Operator):
     """Split the active mesh into bands of detail, one shape key per band"""
 
     bl_idname = "spectral_tv.decompose"
@@ -66,14 +66,12 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionProperties, bpy.types.O
                 names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
         bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
         as_one = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
-        return f"{bands} of {key_label(self.method)} added{as_one}"
+        return f"{bands} of {self.settings().by.key_label} added{as_one}"
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""
-        layout = self.layout
-        layout.use_property_split = True
-        draw_method(self, layout)
-        draw_reading(self, layout)
+        self.layout.use_property_split = True
+        rows.draw(self.layout, self, "method shape")
 
 
 def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:

@@ -1,11 +1,12 @@
 """Which filter the bands of a function get: what the user chooses, and what it comes to."""
 
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
-import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import IntProperty
 
+from ..options.declaring import Only, choice, integer, name_of, number, options_of, switch
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from . import filter_curve
@@ -20,21 +21,89 @@ FILTERS = (
 
 # What the user is told of gains that are all 1.
 KEEPS_ALL = "the filter changes nothing: it keeps every band"
+UNDER = Only("preset", [name for name, *_ in FILTERS if name not in ("GAINS", "CURVE")])
+FILTERED = Only("result", ["FILTER"])
+IN_BANDS = Only("result", ["FILTER", "BANDS"])
 
 
-class Chosen(Protocol):
-    """What of a choice `filter_values` reads."""
+@dataclass(frozen=True)
+class FilterSettings:
+    """The number of bands, of steps, and what happens to the bands."""
 
-    bands: int
-    preset: str
-    first: int
-    last: int
-    amount: float
-    gains: str
-    keep_rest: bool
+    bands: int = integer(
+        "Bands", "Number of bands, finest first", 5, 1, 32, applies=IN_BANDS, place="bands"
+    )
+    steps: int = integer(
+        "Steps",
+        "Number of time steps of the flow. More steps are more accurate and separate scales more "
+        "sharply",
+        32,
+        2,
+        1000,
+        soft_most=128,
+        place="steps",
+    )
+    preset: str = choice(
+        "Filter",
+        "What happens to the bands",
+        FILTERS,
+        "LOW_PASS",
+        applies=FILTERED,
+        place="filter",
+        argument="",
+    )
+    gains: str = name_of(
+        "Gains",
+        "A number for every band, finest first, with spaces or commas between: 0 removes it, "
+        "1 keeps it, 2 doubles it",
+        "0 0 1 1 1",
+        applies=(FILTERED, Only("preset", ["GAINS"])),
+        place="filter",
+        argument="",
+    )
+    first: int = integer(
+        "From",
+        "First of the chosen bands; 1 is the finest",
+        3,
+        1,
+        None,
+        applies=(FILTERED, UNDER),
+        place="filter",
+        argument="",
+    )
+    last: int = integer(
+        "To",
+        "Last of the chosen bands; 1 is the finest",
+        3,
+        1,
+        None,
+        applies=(FILTERED, UNDER),
+        place="filter",
+        argument="",
+    )
+    amount: float = number(
+        "Exaggerate by",
+        "How much is added to the chosen bands: 1 doubles them",
+        1,
+        None,
+        None,
+        soft_least=-1,
+        soft_most=4,
+        applies=(FILTERED, Only("preset", ["EXAGGERATE"])),
+        place="filter",
+        argument="",
+    )
+    keep_rest: bool = switch(
+        "Keep the Rest",
+        "Keep what no band holds: the values' largest spots and their mean",
+        True,
+        applies=FILTERED,
+        place="filter",
+        argument="",
+    )
 
 
-def filter_values(choice: Chosen) -> list[float]:
+def filter_values(choice: FilterSettings) -> list[float]:
     """What is added to every band, times the band: −1 removes it.
 
     That a filter changes nothing is noted. Raises Refusal if the gains are not one number per band,
@@ -49,7 +118,7 @@ def filter_values(choice: Chosen) -> list[float]:
     return values
 
 
-def _values(choice: Chosen) -> list[float]:
+def _values(choice: FilterSettings) -> list[float]:
     if choice.preset == "GAINS":
         try:
             gains = [float(word) for word in choice.gains.replace(",", " ").split()]
@@ -66,7 +135,7 @@ def _values(choice: Chosen) -> list[float]:
     return preset_values(choice.preset, choice.bands, choice.first, choice.last, choice.amount)
 
 
-def sidebar_band(end: str, **options: Any) -> Any:
+def sidebar_band(end: str) -> Any:
     """A property of a sidebar's choices, "first" or "last": the usual band until one is chosen.
 
     What is chosen is in ``own_first`` and ``own_last``, which are 0 until then.
@@ -83,11 +152,8 @@ def sidebar_band(end: str, **options: Any) -> Any:
     def choose(choices: Any, value: int) -> None:
         setattr(choices, f"own_{end}", value)
 
-    return IntProperty(get=get, set=choose, min=1, **options)
-
-
-FIRST = {"name": "From", "description": "First of the chosen bands; 1 is the finest"}
-LAST = {"name": "To", "description": "Last of the chosen bands; 1 is the finest"}
+    option = options_of(FilterSettings)[end]
+    return IntProperty(get=get, set=choose, min=1, name=option.label, description=option.text)
 
 
 class SidebarFilter:
@@ -96,61 +162,9 @@ class SidebarFilter:
 
     own_first: IntProperty(options={"HIDDEN"})
     own_last: IntProperty(options={"HIDDEN"})
-    first: sidebar_band("first", **FIRST)
-    last: sidebar_band("last", **LAST)
+    first: sidebar_band("first")
+    last: sidebar_band("last")
 
     def band_count(self) -> int:
         """How many bands there are."""
         return self.bands
-
-
-class FilterProperties:
-    """The number of bands, of steps, and what happens to the bands."""
-
-    bands: IntProperty(
-        name="Bands", description="Number of bands, finest first", default=5, min=1, max=32
-    )
-    steps: IntProperty(
-        name="Steps",
-        description="Number of time steps of the flow. More steps are more accurate and separate "
-        "scales more sharply",
-        default=32,
-        min=2,
-        soft_max=128,
-        max=1000,
-    )
-    preset: EnumProperty(
-        name="Filter", description="What happens to the bands", items=FILTERS, default="LOW_PASS"
-    )
-    first: IntProperty(**FIRST, default=3, min=1)
-    last: IntProperty(**LAST, default=3, min=1)
-    amount: FloatProperty(
-        name="Exaggerate by",
-        description="How much is added to the chosen bands: 1 doubles them",
-        default=1,
-        soft_min=-1,
-        soft_max=4,
-    )
-    gains: StringProperty(
-        name="Gains",
-        description="A number for every band, finest first, with spaces or commas between: "
-        "0 removes it, 1 keeps it, 2 doubles it",
-        default="0 0 1 1 1",
-    )
-    keep_rest: BoolProperty(
-        name="Keep the Rest",
-        description="Keep what no band holds: the values' largest spots and their mean",
-        default=True,
-    )
-
-    def draw_filter(self, column: bpy.types.UILayout) -> None:
-        """Lay out the filter, and only what has an effect."""
-        column.prop(self, "preset")
-        if self.preset == "GAINS":
-            column.prop(self, "gains")
-        elif self.preset != "CURVE":
-            column.prop(self, "first")
-            column.prop(self, "last")
-        if self.preset == "EXAGGERATE":
-            column.prop(self, "amount")
-        column.prop(self, "keep_rest")

@@ -8,45 +8,15 @@ from typing import Any
 import numpy as np
 import spectral_tv
 
-METHODS = (
-    ("M1", "Shape Detail", "Surface detail of every size, the body undistorted (M1, shape TV)"),
-    ("M2", "Limbs and Head", "Limbs, head, ears, tail (M2, conformalized 3-Laplace)"),
-    ("M3", "Edge-Keeping Detail", "Detail with crisp edges: plates, folds (M3, directional TV)"),
-)
-COMPARISONS = (
-    ("NAIVE", "Per Axis", "Each axis alone, which squares the shape along its axes"),
-    ("HEAT", "Heat", "Linear diffusion, which blurs edges"),
-    (
-        "LB",
-        "Eigenfunctions",
-        "Waves on the surface, from fine to coarse (Laplace–Beltrami eigenfunctions). The first "
-        "band is what they do not hold",
-    ),
-    (
-        "DISPLACEMENT",
-        "Displacement",
-        "All detail as one band: the displacement from the smoothed shape (Cignoni et al. 2005)",
-    ),
-    ("M2_P2", "M2 with P = 2", "Conformalized mean curvature flow, of which M2 is made"),
-    ("M2_P1", "M2 with P = 1", "The conformalized 1-Laplace"),
-)
-# As the items of a menu, comparison methods apart.
-METHOD_ITEMS = (
-    ("", "Methods", ""),
-    *METHODS,
-    ("", "For Comparison", ""),
-    *COMPARISONS,
-)
+from ..options.declaring import Only, choice, integer, keywords, name_of, number, share, switch
+from . import methods
+from .methods import METHODS, Method
+
 BASES = (
     ("FLOW", "Smoothed Shape", "The object itself, smoothed until its limbs are gone"),
     ("FLAT", "Flat", "The object flattened along its local Z axis: for reliefs and terrain"),
     ("KEY", "Shape Key", "One of the object's shape keys"),
 )
-# Where an accuracy is asked for: steps of the first flow. The next has twice as many.
-FEWEST_STEPS = 12
-# Methods that measure from a base, and those that take no time steps.
-WITH_BASE = ("M3", "DISPLACEMENT")
-STEPLESS = ("LB", "DISPLACEMENT")
 METRICS = (
     ("SURFACE", "Surface", "Along the object itself: on images, adaptive spectral TV"),
     ("BASE", "Base", "Along the base: with the flat one, the spectral TV of images"),
@@ -60,9 +30,13 @@ SHAPES = (
         "All that is seen, in a new object without modifiers; this one is hidden",
     ),
 )
+# Where an accuracy is asked for: steps of the first flow. The next has twice as many.
+FEWEST_STEPS = 12
 # Corners of open edges that are this near are meant to be one: percent of the object's size. It is
 # what rounding leaves of coordinates with six digits.
 WELD = 1e-3
+STEPS = "Number of time steps of the flow. More steps separate scales more sharply and take longer"
+SCALES = ("use_scales", "Custom Scales", "Choose the range of sizes that the bands cover")
 
 
 @dataclass(frozen=True)
@@ -74,21 +48,140 @@ class Settings:
     takes ``steps``. ``weld`` is a percentage.
     """
 
-    method: str = "M1"
-    bands: int = 5
-    steps: int = 32
-    accuracy: float = 0.0
-    finest: float = 0.0
-    largest: float = 0.0
-    eigenpairs: int = 300
-    base: str = "FLOW"
-    base_amount: float = 0.0
-    base_key: str = ""
-    metric: str = "SURFACE"
-    vertex_group: str = ""
-    shape: str = "SHOWN"
-    weld: float = WELD
-    leaves_out: bool = False
+    method: str = choice("Method", "What the bands split off", methods.ITEMS, "M1", place="method")
+    bands: int = integer(
+        "Bands",
+        "Number of bands, from the finest detail to the largest",
+        5,
+        1,
+        32,
+        applies=methods.WITH_BANDS,
+        place="method",
+    )
+    steps: int = integer(
+        "Steps", STEPS, 32, 2, 1000, soft_most=128, applies=methods.WITH_BANDS, place="method"
+    )
+    accuracy: float = share(
+        "Error",
+        "How far the bands may be from those of the finest steps, relative to their size: 10% is "
+        "hardly seen",
+        5,
+        0.5,
+        50,
+        digits=1,
+        switch=(
+            "use_accuracy",
+            "Steps by Accuracy",
+            "Take as many steps as the accuracy needs. The first flows, which tell how many, take "
+            "time too",
+        ),
+        instead_of="steps",
+        applies=methods.IN_STEPS,
+        keyword="accuracy",
+        metavar="E",
+        refused=True,
+    )
+    eigenpairs: int = integer(
+        "Eigenfunctions",
+        "Number of eigenfunctions, the coarsest. More of them hold finer detail; the time grows "
+        "with the square of their number",
+        300,
+        2,
+        10000,
+        soft_most=1000,
+        applies=methods.EIGENFUNCTIONS,
+        place="method",
+        keyword="eigenpairs",
+    )
+    finest: float = share(
+        "Finest",
+        "Size of the finest detail to tell apart, relative to the object's size",
+        0,
+        0,
+        50,
+        soft_least=0.01,
+        digits=2,
+        switch=SCALES,
+        own="own_finest",
+        applies=methods.WITH_BANDS,
+        place="scales",
+    )
+    largest: float = share(
+        "Largest",
+        "Size of the largest features that bands hold, relative to the object's size. What is "
+        "larger stays in the low-pass",
+        0,
+        0,
+        100,
+        soft_least=0.02,
+        digits=2,
+        switch=SCALES,
+        own="own_largest",
+        applies=methods.WITH_BANDS,
+        place="scales",
+    )
+    base: str = choice(
+        "Base",
+        "The smooth shape from which detail is measured",
+        BASES,
+        other=("KEY", "base_key"),
+        applies=methods.WITH_BASE,
+        place="base",
+        refused=True,
+    )
+    base_amount: float = share(
+        "Smoothing",
+        "Size of the features that vanish from the base, relative to the object's size",
+        0,
+        0,
+        50,
+        soft_least=0.1,
+        digits=1,
+        switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
+        own="own_base_amount",
+        applies=(methods.WITH_BASE, Only("base", ["FLOW"])),
+        place="base",
+        refused=True,
+    )
+    base_key: str = name_of(
+        "Shape Key",
+        "The shape key that is the base",
+        search="key_blocks",
+        applies=(methods.WITH_BASE, Only("base", ["KEY"])),
+        place="base",
+        argument="",
+    )
+    metric: str = choice(
+        "Distances",
+        "Along what distances are measured, and with them sizes",
+        METRICS,
+        applies=methods.DIRECTIONAL,
+        place="base",
+        keyword="metric",
+        refused=True,
+    )
+    vertex_group: str = name_of(
+        "Limit to", "Limits where the bands have an effect", search="vertex_groups", place="mask"
+    )
+    shape: str = choice("Shape", "Which shape is decomposed", SHAPES, place="shape")
+    weld: float = number(
+        "Join Within",
+        "Corners of open edges this near to one another, and to other open edges, are one, "
+        "relative to the object's size. 0 joins those at exactly the same place",
+        WELD,
+        0,
+        10,
+        soft_most=0.1,
+        unit="PERCENTAGE",
+        digits=4,
+        place="shape",
+    )
+    leaves_out: bool = switch(
+        "Leave Out Broken Faces",
+        "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",
+        place="shape",
+        argument="leave-out",
+    )
 
     def text(self) -> str:
         """As a text to be kept."""
@@ -101,9 +194,14 @@ class Settings:
         return cls(**{name: value for name, value in json.loads(text).items() if name in known})
 
     @property
+    def by(self) -> Method:
+        """What is known of the method."""
+        return METHODS[self.method]
+
+    @property
     def band_count(self) -> int:
         """How many bands there will be."""
-        return 1 if self.method == "DISPLACEMENT" else self.bands
+        return self.bands if self.by.has_bands else 1
 
     @property
     def least_steps(self) -> int:
@@ -113,38 +211,37 @@ class Settings:
     @property
     def is_adaptive(self) -> bool:
         """Whether the accuracy decides on the steps."""
-        return bool(self.accuracy) and self.method not in STEPLESS
+        return bool(self.accuracy) and self.by.takes_steps
+
+    def complaint(self) -> str | None:
+        """What is wrong with the numbers of bands and steps; None if nothing is."""
+        if self.band_count < self.least_steps:
+            return None
+        return f"{self.bands} bands need more than {self.least_steps} steps"
 
     def arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
         """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
 
         Raises spectral_tv.MeshError if the scales make no sense.
         """
-        arguments = self.method_arguments(mesh, base)
-        if self.method == "M3":
-            arguments["metric"] = self.metric.lower()
-        if self.method == "LB":
-            arguments["eigenpairs"] = self.eigenpairs
-        if self.method == "LB" and not (self.finest or self.largest):
+        arguments = {**self.method_arguments(mesh, base), **keywords(self)}
+        if not self.by.takes_steps and self.by.has_bands and not (self.finest or self.largest):
             arguments["steps"] = self.steps
-        elif self.method != "DISPLACEMENT":
+        elif self.by.has_bands:
             steps = FEWEST_STEPS if self.is_adaptive else self.steps
             arguments["times"] = spectral_tv.graded_times(*self.scales(mesh), steps)
-        if self.is_adaptive:
-            arguments["accuracy"] = self.accuracy
         return arguments
 
     def method_arguments(
         self, mesh: spectral_tv.Mesh | None, base: np.ndarray | None
     ) -> dict[str, Any]:
         """Those that name the method and, where there is a mesh, its base."""
-        method, _, p = self.method.lower().partition("_p")
-        arguments: dict[str, Any] = {"method": method}
-        if p:
-            arguments["p"] = int(p)
-        if self.method in WITH_BASE and base is not None:
+        arguments: dict[str, Any] = {"method": self.by.package}
+        if self.by.p is not None:
+            arguments["p"] = self.by.p
+        if self.by.takes_base and base is not None:
             arguments["base"] = base
-        elif self.method in WITH_BASE and self.base_amount and mesh is not None:
+        elif self.by.takes_base and self.base_amount and mesh is not None:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
 
@@ -172,10 +269,4 @@ class Settings:
 
     def _own_scales(self) -> tuple[float, float]:
         """Those of the method, relative to the area."""
-        method = self.method.lower().partition("_p")[0]
-        return spectral_tv.default_scales(method, self.eigenpairs)
-
-
-def key_label(method: str) -> str:
-    """What the names of a method's shape keys begin with."""
-    return method if len(method) == 2 else method.replace("_", " ").title()
+        return spectral_tv.default_scales(self.by.package, self.eigenpairs)

@@ -12,7 +12,7 @@ from ..scene.objects import Refusal
 from ..scene.records import band_keys, record_of
 from ..scene.surface import Reading, Surface
 from ..scene.touching import touching
-from .settings import SHAPES, WITH_BASE, Settings
+from .settings import SHAPES, Settings
 
 
 def read_surfaces(
@@ -84,7 +84,7 @@ def _shape(
 def _base(obj: bpy.types.Object, settings: Settings) -> list[bpy.types.ShapeKey]:
     """The key that detail is measured from, if one is: it is no part of what has the detail."""
     keys = obj.data.shape_keys
-    if keys is None or settings.method not in WITH_BASE or settings.base != "KEY":
+    if keys is None or not settings.by.takes_base or settings.base != "KEY":
         return []
     return [key for key in keys.key_blocks if key.name == settings.base_key]
 

@@ -2,10 +2,7 @@
 
 import argparse
 import os
-from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from ..files.names import file_keys
 from ..scene.objects import Refusal
@@ -139,39 +136,6 @@ def ensure_file(path: Path) -> None:
         raise Refusal(f"it is a folder; name the files in it, such as {path / '*'}")
     if not path.is_file():
         raise Refusal("there is no such file")
-
-
-def whole(least: int, most: int) -> Callable[[str], int]:
-    """A type of argument: a whole number."""
-
-    def read(text: str) -> int:
-        if not (text.isdecimal() and least <= int(text) <= most):
-            raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least} to {most}")
-        return int(text)
-
-    return read
-
-
-def number(text: str, least: float, most: float) -> float:
-    """Read a number."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not least <= value <= most:
-        message = f"{text!r} is not a number from {least:g} to {most:g}"
-        raise argparse.ArgumentTypeError(message)
-    return value
-
-
-def positive(text: str) -> float:
-    """Read a number above 0."""
-    return number(text, np.finfo(float).tiny, 1e9)
-
-
-def percent(text: str, least: float = 0.01) -> float:
-    """Read a percentage; the sign is optional."""
-    return number(text.removesuffix("%"), least, 100)
 
 
 def target_path(text: str) -> Path:

@@ -1,19 +1,21 @@
 """What holds and moves an object in a deformation: kept in the file, on the object."""
 
 from contextlib import suppress
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 from bpy.props import (
     CollectionProperty,
     EnumProperty,
-    FloatProperty,
     FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
 )
 
+from ..options.declaring import Only, choice, number
+from ..options.properties import choices_of
 from ..scene.fingerprints import Fingerprint
 from ..scene.objects import Refusal
 from ..scene.places import Followed, is_in_a_scene, kept_up, matrix_of
@@ -162,26 +164,32 @@ class SpectralTVBakedKey(Fingerprint, bpy.types.PropertyGroup):
     """A shape key of one frame."""
 
 
-class DeformationProperties:
+@dataclass(frozen=True)
+class Settings:
     """How the unconstrained vertices follow."""
 
-    algorithm: EnumProperty(
-        name="Algorithm", description="How the others follow", items=ALGORITHMS, default="CONVEX"
-    )
-    softness: FloatProperty(
-        name="Softness",
-        description="Width of the stretched zone, relative to the object's size. At 0 a narrow "
-        "place stretches within a ring of faces",
-        subtype="PERCENTAGE",
-        default=5,
-        min=0,
-        soft_max=30,
-        max=100,
-        precision=1,
+    algorithm: str = choice("Algorithm", "How the others follow", ALGORITHMS, place="follow")
+    softness: float = number(
+        "Softness",
+        "Width of the stretched zone, relative to the object's size. At 0 a narrow place stretches "
+        "within a ring of faces",
+        5,
+        0,
+        100,
+        soft_most=30,
+        unit="PERCENTAGE",
+        digits=1,
+        applies=Only("algorithm", ["CONVEX"]),
+        dims=True,
+        place="follow",
+        refused=True,
     )
 
 
-class SpectralTVDeformation(Fingerprint, DeformationProperties, bpy.types.PropertyGroup):
+DeformationChoices = choices_of(Settings)
+
+
+class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyGroup):
     """The constraints of an object, and the fingerprint of the shape key they lead to."""
 
     constraints: CollectionProperty(type=SpectralTVConstraint)

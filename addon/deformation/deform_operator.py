@@ -6,14 +6,15 @@ import bpy
 import spectral_tv
 
 from ..job.operator import JobOperator
-from .constraints import DeformationProperties, deformation_of
+from ..options import rows
+from .constraints import DeformationChoices, deformation_of
 from .deform import Deformable, deform_refusal, message, prepare, write
 
 # What was read of the object, and the arguments of spectral_tv.deform.
 Prepared = tuple[Deformable, dict[str, Any]]
 
 
-class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operator):
+class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator):
     """Move the constrained vertices where they belong, and have the others follow in rigid
     pieces. Writes one shape key; deforming again overwrites it"""
 
@@ -26,7 +27,7 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operat
         return deform_refusal(context.active_object)
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        for name in DeformationProperties.__annotations__:
+        for name in DeformationChoices.__annotations__:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(deformation_of(obj), name))
         return prepare(obj, self.algorithm, self.softness)
@@ -44,12 +45,8 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationProperties, bpy.types.Operat
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.prop(self, "algorithm")
-        row = layout.row()
-        row.active = self.algorithm == "CONVEX"
-        row.prop(self, "softness")
+        self.layout.use_property_split = True
+        rows.draw(self.layout, self, "follow")
 
 
 CLASSES = (SPECTRAL_TV_OT_deform,)

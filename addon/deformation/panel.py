@@ -2,8 +2,9 @@
 
 import bpy
 
-from ..drawing.work import Sidebar, draw_fault, draw_progress, say
-from ..job import jobs
+from ..drawing.sidebar import Sidebar, say
+from ..drawing.work import MeshPanel, draw_button, draw_fault
+from ..options import rows
 from ..scene.objects import is_mesh
 from ..scene.places import is_in_a_scene
 from . import constraints, turning
@@ -43,42 +44,35 @@ def _destination(constraint: constraints.SpectralTVConstraint) -> str:
     return constraint.shape_key if constraint.kind == "KEY" else ""
 
 
-class SPECTRAL_TV_PT_deform(Sidebar, bpy.types.Panel):
+class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
     """Pull on parts of the mesh"""
 
     bl_label = "Deform"
-    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 1
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_mesh(context.active_object) or SPECTRAL_TV_OT_deform_live.is_running()
+        return super().poll(context) or SPECTRAL_TV_OT_deform_live.is_running()
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        obj = context.active_object
-        if not is_mesh(obj):  # a handle is being dragged
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        if is_mesh(context.active_object):
+            super().rows(context, layout)
+        else:  # a handle is being dragged
             text = f"End Live of {SPECTRAL_TV_OT_deform_live.object_name()}"
-            row = layout.row()
-            row.scale_y = 1.4
-            row.operator(SPECTRAL_TV_OT_deform_live.bl_idname, text=text, icon="PAUSE")
+            draw_button(layout, SPECTRAL_TV_OT_deform_live, "PAUSE", text=text)
             self._draw_problem(layout, context)
-            return
+
+    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        obj = context.active_object
         deformation = constraints.deformation_of(obj)
         self._draw_list(layout, deformation)
-        layout.use_property_split = True
-        layout.use_property_decorate = False
         if constraints.chosen(obj) is not None:
             self._draw_constraint(layout.column(), obj)
-        column = layout.column()
-        column.prop(deformation, "algorithm")
-        row = column.row()
-        row.active = deformation.algorithm == "CONVEX"
-        row.prop(deformation, "softness")
+        rows.draw(layout, deformation, "follow")
         self._draw_turning(layout, context, obj)
-        if jobs.running() is not None:
-            draw_progress(layout, context)
-            return
+
+    def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        obj = context.active_object
         is_live = SPECTRAL_TV_OT_deform_live.is_running()
         reason = deform_refusal(obj)
         if reason is not None and not is_live:
@@ -161,10 +155,7 @@ class SPECTRAL_TV_PT_bake_deformation(Sidebar, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         return is_mesh(context.active_object)
 
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         scene = context.scene
         deformation = constraints.deformation_of(context.active_object)
         column = layout.column(align=True)

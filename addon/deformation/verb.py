@@ -8,18 +8,19 @@ import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
 
-from ..command_line.arguments import percent
 from ..command_line.formats import BLEND
 from ..command_line.frames import frames_argument, plays
 from ..command_line.progress import progress, say
 from ..command_line.verb import Task, Verb
+from ..options.arguments import add_arguments as add_options
+from ..options.arguments import complaint
 from ..scene.animation import travel
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal, refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching
 from . import baking, constraints
-from .constraints import ALGORITHMS, deformation_of
+from .constraints import Settings, deformation_of
 from .deform import message, prepare, write
 from .empties import add_empty
 from .regions import Region, group_of
@@ -29,6 +30,8 @@ class Deform(Verb):
     """Moves parts of objects, and has the others follow."""
 
     name = "deform"
+    options = Settings
+    of_object = True
     summary = "move parts of meshes and have the others follow in rigid pieces"
     result = "deformed"
     description = """\
@@ -68,20 +71,7 @@ each frame."""
             help="move this part by an offset in the world; repeatable. With --pin in place of the "
             "constraints in the file",
         )
-        told = ", ".join(f"{name.lower()}: {label}" for name, label, _ in ALGORITHMS)
-        add(
-            "--algorithm",
-            type=str.lower,
-            choices=[name.lower() for name, _, _ in ALGORITHMS],
-            help=f"how the others follow ({told}); default: the object's own, at first convex",
-        )
-        add(
-            "--softness",
-            metavar="PERCENT",
-            type=lambda text: percent(text, 0),
-            help="width of the stretched zone, in percent of the object's size; default: the "
-            "object's own, at first 5",
-        )
+        add_options(parser, Settings, of_object=True)
         add(
             "--frames",
             metavar="START-END[:STEP]",
@@ -96,10 +86,10 @@ each frame."""
         """What is wrong with them together."""
         if choices.pins and not choices.moves:
             return "--pin alone moves nothing; add --move"
-        for name in ("softness", "frames"):
-            if getattr(choices, name) is not None and choices.algorithm not in (None, "convex"):
-                return f"--{name} goes with --algorithm convex"
-        return None
+        asked = self.settings(choices)
+        if choices.frames is not None and asked.algorithm != "CONVEX":
+            return "--frames goes with --algorithm convex"
+        return complaint(choices, Settings, asked)
 
     def choose(self, choices: argparse.Namespace) -> list[bpy.types.Object]:
         """All meshes, or those with constraints if none are given."""

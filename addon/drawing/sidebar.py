@@ -15,6 +15,18 @@ class Sidebar:
     bl_region_type = "UI"
     bl_category = "Spectral TV"
 
+    # Whether names stand before the fields, as in Blender's own panels.
+    is_split = True
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.use_property_split = self.is_split
+        self.layout.use_property_decorate = not self.is_split
+        self.rows(context, self.layout)
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        """Draw what the panel has."""
+        raise NotImplementedError
+
 
 def say(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
     """Draw a text in as many lines as it needs, as labels cut off what is too long for them."""

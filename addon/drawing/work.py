@@ -1,4 +1,4 @@
-"""What the panels share."""
+"""What panels share that start work."""
 
 from collections.abc import Callable
 
@@ -8,10 +8,55 @@ from ..job import faults, jobs
 from ..job.estimates import Needs
 from ..job.operator import SPECTRAL_TV_OT_cancel
 from ..job.select_faulty import SPECTRAL_TV_OT_select_faulty
-from ..scene.objects import refusal, selected_meshes
+from ..options.properties import give
+from ..scene.objects import is_mesh, refusal, selected_meshes
 from .sidebar import Sidebar, say
 
-__all__ = ["Sidebar", "draw_fault", "draw_needs", "draw_progress", "draw_selection", "say"]
+
+class WorkPanel(Sidebar):
+    """What is chosen, and a button that starts work; while it runs, how far it is."""
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        self.choices(context, layout)
+        if jobs.running() is None:
+            self.actions(context, layout)
+        else:
+            _draw_progress(layout, context)
+
+    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        """Draw what is chosen."""
+
+    def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        """Draw what can be done."""
+        raise NotImplementedError
+
+
+class MeshPanel(WorkPanel):
+    """One that is there for meshes, closed at first."""
+
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_mesh(context.active_object)
+
+
+def draw_button(
+    layout: bpy.types.UILayout,
+    operator: type[bpy.types.Operator],
+    icon: str,
+    choices: bpy.types.PropertyGroup | None = None,
+    *,
+    is_tall: bool = True,
+    **more: str,
+) -> bpy.types.OperatorProperties:
+    """Draw the button of an operator, which gets what was chosen."""
+    row = layout.row()
+    row.scale_y = 1.4 if is_tall else 1.0
+    button = row.operator(operator.bl_idname, icon=icon, **more)
+    if choices is not None:
+        give(choices, button, operator)
+    return button
 
 
 def draw_fault(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -49,7 +94,7 @@ def draw_selection(
     draw_needs(layout, context, needs(*(len(mesh.vertices) for mesh in meshes)))
 
 
-def draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+def _draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draw what the job under way does, how far it is, and a button that cancels it."""
     progress = context.window_manager.spectral_tv.progress
     row = layout.row(align=True)

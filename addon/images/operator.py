@@ -5,14 +5,15 @@ import spectral_tv
 from bpy.props import StringProperty
 
 from ..job.operator import JobOperator
+from ..options import rows
 from ..scene.objects import Refusal
 from . import results, sources
 from .bands import Prepared, prepare
 from .flows import STILL, Still
-from .properties import ImageProperties
+from .properties import COLUMNS, ImageChoices
 
 
-class SPECTRAL_TV_OT_filter_image(JobOperator, ImageProperties, bpy.types.Operator):
+class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator):
     """Filter the image, or split it into bands. Writes new images; running again replaces them"""
 
     bl_idname = "spectral_tv.filter_image"
@@ -57,7 +58,7 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageProperties, bpy.types.Operat
         return image
 
     def prepare(self, image: bpy.types.Image) -> Prepared:
-        return prepare(sources.read(image), self.choice())
+        return prepare(sources.read(image), self.settings())
 
     def recall(self, prepared: Prepared) -> Still | None:
         return STILL if prepared.request.is_still else None
@@ -68,13 +69,13 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageProperties, bpy.types.Operat
     def write(
         self, image: bpy.types.Image, prepared: Prepared, result: spectral_tv.Flow | Still
     ) -> str:
-        names = results.write(image, prepared, self.choice(), result)
+        names = results.write(image, prepared, self.settings(), result)
         return f"written as {', '.join(map(repr, names))}"
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Lay out Adjust Last Operation."""
         self.layout.use_property_split = True
-        self.draw_choice(self.layout)
+        rows.draw(self.layout, self, *COLUMNS)
 
 
 CLASSES = (SPECTRAL_TV_OT_filter_image,)

@@ -14,9 +14,10 @@ from bpy.props import PointerProperty, StringProperty
 
 from ..scene.contents import digest
 from ..scene.notes import note
-from .bands import Choice, Prepared, filtered, filtered_bands, parts
+from .bands import Prepared, filtered, filtered_bands, parts
 from .flows import Still
 from .pixels import Pixels
+from .settings import Settings
 
 BAND, REST, FILTERED = "Band", "Rest", "Filtered"
 # Bytes that the names of images may have in all versions.
@@ -48,22 +49,22 @@ def source_of(image: bpy.types.Image) -> bpy.types.Image | None:
 def write(
     source: bpy.types.Image,
     prepared: Prepared,
-    choice: Choice,
+    settings: Settings,
     flow: spectral_tv.Flow | Still,
 ) -> list[str]:
     """Write what was chosen as images beside the source; returns their names."""
-    if choice.result == "BANDS":
-        bands, rest = parts(prepared, choice, flow)
+    if settings.result == "BANDS":
+        bands, rest = parts(prepared, settings, flow)
         written = [
             _write_data(source, f"{BAND} {number}", band)
             for number, band in enumerate(bands, start=1)
         ]
         written.append(_write_data(source, REST, rest))
         _remove_surplus(source, {image.spectral_tv.label for image in written})
-    elif choice.keep_rest:
-        written = [_write_colors(source, FILTERED, filtered(prepared, choice, flow))]
+    elif settings.keep_rest:
+        written = [_write_colors(source, FILTERED, filtered(prepared, settings, flow))]
     else:
-        written = [_write_data(source, FILTERED, filtered_bands(prepared, choice, flow))]
+        written = [_write_data(source, FILTERED, filtered_bands(prepared, settings, flow))]
     return [image.name for image in written]
 
 

@@ -6,16 +6,14 @@ from pathlib import Path
 
 import bpy
 
-from ..bands.verb import add_gains, band_values, complaint_of_gains
+from ..bands.gain_arguments import add_gains, band_values, complaint_of_gains
 from ..command_line.arguments import (
     EXIT_CODES,
     add_report,
     complaint_of_clashes,
     ensure_file,
     is_folder,
-    positive,
     target_path,
-    whole,
 )
 from ..command_line.progress import progress, say
 from ..command_line.report import Entry
@@ -23,12 +21,14 @@ from ..command_line.verb import Command
 from ..command_line.writing import written_by_blender
 from ..files.room import with_room
 from ..files.whole import ensure_writable
+from ..options.arguments import add_arguments as add_options
+from ..options.arguments import whole
 from . import colors
-from .bands import Choice, filtered, prepare
+from .bands import filtered, prepare
 from .formats import BY_SUFFIX, DEPTHS, FORMATS
-from .properties import METRICS
 from .reading import read_picture
 from .saving import save_picture
+from .settings import Settings
 
 # Formats and their depths, for the help.
 WRITES = ", ".join(f"{suffix} ({' '.join(form.depths)})" for suffix, form in BY_SUFFIX.items())
@@ -40,6 +40,7 @@ class Filter(Command):
     """Splits pictures into bands, and filters them."""
 
     name = "image"
+    options = Settings
     summary = "filter pictures by their bands"
     description = """\
 Split pictures into bands by spectral total variation, filter them, and write them.
@@ -99,34 +100,8 @@ the color space of the input, as far as its format has them; only .exr gets scen
             type=whole(1, 100),
             help=f"of formats that lose some; default {qualities}, where 100 loses nothing",
         )
-        metrics = [name.lower() for name, _, _ in METRICS]
-        add("--metric", choices=metrics, default=metrics[0], help=f"default {metrics[0]}")
-        add(
-            "--height",
-            metavar="PIXELS",
-            type=positive,
-            default=32.0,
-            help="how high the relief of --metric surface is; default 32",
-        )
         add("--luminance", action="store_true", help="split the brightness alone")
-        add("--bands", metavar="N", type=whole(1, 32), default=5, help="1 to 32; default 5")
-        add("--steps", metavar="N", type=whole(2, 1000), default=32, help="of the flow; default 32")
-        size = "that stand out by the whole range of the values are gone where bands"
-        add(
-            "--finest",
-            metavar="PIXELS",
-            type=positive,
-            default=0.1,
-            help=f"so wide are spots {size} begin; default 0.1",
-        )
-        add(
-            "--largest",
-            metavar="PIXELS",
-            type=positive,
-            default=64.0,
-            help=f"so wide are spots {size} end; default 64",
-        )
-        add("--exact", action="store_true", help="follow total variation exactly; slower")
+        add_options(parser, Settings)
         add_gains(parser)
         add_report(parser)
         parser.set_defaults(run=self._run, parser=parser)
@@ -141,11 +116,19 @@ the color space of the input, as far as its format has them; only .exr gets scen
         if not is_folder(output) and not is_folder(output.parent):
             return f"there is no folder {output.parent}"
         reason = _complaint_of_targets(choices) or _complaint_of_space(choices)
-        return reason or complaint_of_gains(choices, choices.bands, choices.steps)
+        if choices.bands >= choices.steps:
+            reason = reason or f"{choices.bands} bands need more than {choices.steps} steps"
+        return reason or complaint_of_gains(choices, choices.bands)
 
-    def not_in_force(self, choices: argparse.Namespace) -> set[str]:
-        """The settings that are of no account beside others."""
-        return set() if choices.metric == "surface" else {"height"}
+    def settings(self, choices: argparse.Namespace) -> Settings:
+        """The options that were chosen, and the filter."""
+        gains = [1 + value for value in band_values(choices, choices.bands)]
+        return replace(
+            super().settings(choices),
+            channels="LUMINANCE" if choices.luminance else "ALL",
+            preset="GAINS",
+            gains=" ".join(map(repr, gains)),
+        )
 
     def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
         target = _target(choices, source)
@@ -154,11 +137,11 @@ the color space of the input, as far as its format has them; only .exr gets scen
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         picture = read_picture(source, choices.colorspace)
         entry.read = picture.told()
-        choice = _choice(choices)
-        prepared = prepare(picture.pixels, choice)
+        settings = self.settings(choices)
+        prepared = prepare(picture.pixels, settings)
         with progress(str(source)) as show:
             flow = prepared.request.run(show)
-        result = replace(picture, pixels=filtered(prepared, choice, flow))
+        result = replace(picture, pixels=filtered(prepared, settings, flow))
         entry.done = {"verb": self.name, "settings": self.settings_of(choices)}
         # A disk that gets full would end the process when Blender reads what it has written.
         most = REST + PIXEL * picture.pixels.stored[..., 0].size
@@ -198,24 +181,3 @@ def _target(choices: argparse.Namespace, source: Path) -> Path:
     if not is_folder(choices.output):
         return choices.output
     return choices.output / f"{source.stem}{choices.format or source.suffix}"
-
-
-def _choice(choices: argparse.Namespace) -> Choice:
-    gains = [1 + value for value in band_values(choices, choices.bands)]
-    return Choice(
-        result="FILTER",
-        metric=choices.metric.upper(),
-        height=choices.height,
-        channels="LUMINANCE" if choices.luminance else "ALL",
-        exact=choices.exact,
-        finest=choices.finest,
-        largest=choices.largest,
-        bands=choices.bands,
-        steps=choices.steps,
-        preset="GAINS",
-        first=1,
-        last=1,
-        amount=0.0,
-        gains=" ".join(map(repr, gains)),
-        keep_rest=True,
-    )

@@ -13,7 +13,7 @@ from ..scene.notes import about
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from . import segments
-from .properties import SegmentationProperties
+from .properties import SegmentationChoices
 
 # What was read of each object.
 Prepared = list[tuple[Seen, Surface]]
@@ -21,7 +21,7 @@ Labels = list[np.ndarray]
 METHOD = "m2"
 
 
-class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationProperties, bpy.types.Operator):
+class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationChoices, bpy.types.Operator):
     """Find the parts of all selected meshes together: the same part gets the same number and
     color in every pose. The meshes need not have the same vertices"""
 

@@ -1,34 +1,37 @@
 """What the user chooses of a segmentation."""
 
-import bpy
-from bpy.props import EnumProperty, IntProperty
+from dataclasses import dataclass
 
+import bpy
+
+from ..options.declaring import integer, several
+from ..options.properties import choices_of
 from .segments import OUTPUTS
 
 
-class SegmentationProperties:
-    """What the user chooses of a segmentation."""
+@dataclass(frozen=True)
+class Settings:
+    """How many parts are found by what, and how they are written."""
 
-    segments: IntProperty(name="Segments", description="Number of parts", default=6, min=1, max=64)
-    steps: IntProperty(
-        name="Steps",
-        description="Number of time steps of the flow. More steps find the same parts in more "
-        "different poses",
-        default=48,
-        min=4,
-        max=1000,
+    segments: int = integer("Segments", "Number of parts", 6, 1, 64, place="parts")
+    steps: int = integer(
+        "Steps",
+        "Number of time steps of the flow. More steps find the same parts in more different poses",
+        48,
+        4,
+        1000,
+        place="parts",
     )
-    seed: IntProperty(name="Seed", description="Of the random starts", default=0, min=0)
-    outputs: EnumProperty(
-        name="Write",
-        description="How the parts are written",
-        items=OUTPUTS,
-        options={"ENUM_FLAG"},
-        default={"COLOR", "GROUPS"},
+    seed: int = integer("Seed", "Of the random starts", 0, 0, None)
+    outputs: frozenset[str] = several(
+        "Write", "How the parts are written", OUTPUTS, ("COLOR", "GROUPS"), place="outputs"
     )
 
 
-class SpectralTVSegmentation(SegmentationProperties, bpy.types.PropertyGroup):
+SegmentationChoices = choices_of(Settings)
+
+
+class SpectralTVSegmentation(SegmentationChoices, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
 
 

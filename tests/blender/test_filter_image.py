@@ -186,7 +186,7 @@ def test_the_job_of_a_window_is_polled_and_notices_changes():
     results = import_module(f"{MODULE}.images.results")
     sources = import_module(f"{MODULE}.images.sources")
     image = discs(True)
-    choice = bpy.context.scene.spectral_tv_images.choice()
+    choice = bpy.context.scene.spectral_tv_images.settings()
     prepared = bands.prepare(sources.read(image), choice)
     jobs.start(prepared.request.start(), image.name, sources.state_of(image), "Flowing")
     while not jobs.running().job.done:
