@@ -1,6 +1,5 @@
-"""A decomposition as the bands of an object: shape keys, and the record that links them."""
+"""A decomposition as the bands of an object, and the record that links them."""
 
-import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -11,19 +10,22 @@ import numpy as np
 import spectral_tv
 
 from ..scene.applying import FOLLOWERS
-from ..scene.channels import actions_of, key_path
+from ..scene.channels import actions_of
 from ..scene.contents import digest, topology_digest
 from ..scene.fingerprints import Likeness
+from ..scene.keeping import Band
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.records import (
     SpectralTVRecord,
-    band_keys,
+    bands_of,
+    keeping_of,
+    new_identity,
     recognise_bands,
     record_of,
     topology_changed,
 )
-from ..scene.shape_keys import add_displacements, key_shape
+from ..scene.shape_keys import key_shape
 from ..scene.surface import Surface, flattened, shape_of
 from . import recut
 from .methods import METHODS
@@ -111,22 +113,29 @@ def add_bands(
     arguments: dict[str, Any],
     split: spectral_tv.Decomposition,
 ) -> list[str]:
-    """Write a decomposition as shape keys, remember it, and return the keys' names.
+    """Write a decomposition as bands, remember it, and return the bands' names.
 
-    Keys of an earlier decomposition stay, but are no longer bands.
+    Those of an earlier decomposition stay, but are no longer bands.
     """
     edges = split.band_edges(settings.band_count)
     flow = Flow(split, surface, _source(surface, arguments))
-    keys = _add_keys(obj, settings.method, edges, flow)
-    for key in keys:
-        key.vertex_group = settings.vertex_group
-    _record(obj, settings, surface, split)
-    _record_bands(obj, [key.name for key in keys], edges)
-    identifier = obj.data.shape_keys.spectral_tv.identifier
-    _flows[identifier] = flow
+    record = obj.data.spectral_tv.decomposition
+    bands = _add(obj, record, settings.method, edges, flow)
+    for band in bands:
+        band.vertex_group = settings.vertex_group
+    record.method, record.settings = settings.method, settings.text()
+    record.solo, record.area = 0, surface.mesh.area
+    new_identity(obj, record)
+    record.spectrum.clear()
+    for time, strength in zip(split.times[1:-1], split.spectrum, strict=True):
+        sample = record.spectrum.add()
+        sample.time, sample.strength = time, strength
+    names = [band.name for band in bands]
+    _record_bands(obj, record, names, names, edges)
+    _flows[record.identifier] = flow
     while len({id(kept.split) for kept in _flows.values()}) > MOST_FLOWS:
         del _flows[next(iter(_flows))]
-    return [key.name for key in keys]
+    return names
 
 
 def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
@@ -135,29 +144,32 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
     What was set of these goes over, see :mod:`recut`; those that were sculpted since stay, muted.
     Raises Refusal if the flow is no longer in memory or the mesh was changed since.
     """
-    record = obj.data.shape_keys.spectral_tv
+    record = record_of(obj)
     if record.identifier not in _flows:
         raise Refusal("its flow is no longer in memory; decompose it again")
     if topology_digest(obj.data) != record.topology:
         raise Refusal("its vertices or faces changed since; decompose it again")
     flow = _flows[record.identifier]
     edges = flow.split.band_edges(count)
-    keys = _add_keys(obj, record.method, edges, flow)
+    new = _add(obj, record, record.method, edges, flow)
     end_solo(obj)
-    old, kept = [], []
-    for name, likeness in recognise_bands(obj):
-        old.append(obj.data.shape_keys.key_blocks[name] if name else None)
-        kept.append(likeness == Likeness.CHANGED)
-        if kept[-1]:
+    there = keeping_of(record).all(obj)
+    usual = _names(record.method, len(record.bands))
+    old = []
+    for band, (name, likeness), own in zip(record.bands, recognise_bands(obj), usual, strict=True):
+        is_changed = likeness == Likeness.CHANGED
+        if is_changed:
             note(f"{name!r} was sculpted since; it stays, muted, and is no longer a band")
+        # Files of 0.1.0 do not tell what a band was called.
+        old.append(recut.Former(there[name] if name else None, is_changed, band.given or own))
     former = [(band.start, band.end) for band in record.bands]
     overlap = recut.Overlap.of(former, [*pairwise(edges)], flow.split.times[1:-1])
-    if not any(old):
-        for key in keys:
-            key.vertex_group = settings_of(record).vertex_group
+    if all(each.band is None for each in old):
+        for band in new:
+            band.vertex_group = settings_of(record).vertex_group
     wanted = _names(record.method, count)
-    names = recut.take_place(obj, old, kept, keys, wanted, overlap)
-    _record_bands(obj, names, edges)
+    names, given = recut.take_place(obj, keeping_of(record), old, new, wanted, overlap)
+    _record_bands(obj, record, names, given, edges)
     return names
 
 
@@ -184,8 +196,8 @@ def set_values(obj: bpy.types.Object, values: list[float]) -> None:
 
     What keeps them from being seen is noted.
     """
-    keys = band_keys(obj)
-    pairs = [(key, value) for key, value in zip(keys, values, strict=True) if key is not None]
+    bands = bands_of(obj)
+    pairs = [(key, value) for key, value in zip(bands, values, strict=True) if key is not None]
     _note_unseen(obj, [key for key, value in pairs if value != key.value])
     cut = []
     for key, value in pairs:
@@ -196,25 +208,29 @@ def set_values(obj: bpy.types.Object, values: list[float]) -> None:
         note(f"cut off at the ends of the sliders: {', '.join(cut)}")
 
 
-def _note_unseen(obj: bpy.types.Object, keys: list[bpy.types.ShapeKey]) -> None:
-    """Note what keeps other values of keys from being seen, or from staying."""
-    block = obj.data.shape_keys
+def _note_unseen(obj: bpy.types.Object, bands: list[Band]) -> None:
+    """Note what keeps other values of bands from being seen, or from staying."""
+    keeping = keeping_of(record_of(obj))
+    block = keeping.animated(obj)
     drivers = () if block.animation_data is None else block.animation_data.drivers
     driven = {driver.data_path for driver in drivers}
     keyed = {curve.data_path for animated in actions_of(block) for curve in animated.curves or ()}
+    paths = {keeping.path(band, "value"): band.name for band in bands}
     for reason, names in (
-        ("muted", [key.name for key in keys if key.mute]),
-        ("driven, and do what their drivers say", _among(driven, keys)),
-        ("keyframed; Keyframe keeps the new values", _among(keyed, keys)),
+        ("muted", [band.name for band in bands if band.mute]),
+        (
+            "driven, and do what their drivers say",
+            [paths[each] for each in paths if each in driven],
+        ),
+        (
+            "keyframed; Keyframe keeps the new values",
+            [paths[each] for each in paths if each in keyed],
+        ),
     ):
         if names:
             note(f"some of these bands are {reason}: {', '.join(names)}")
-    if obj.show_only_shape_key and keys:
+    if obj.show_only_shape_key and bands:
         note("only the active shape key is shown: turn Shape Key Lock off to see the mix")
-
-
-def _among(paths: set[str], keys: list[bpy.types.ShapeKey]) -> list[str]:
-    return [key.name for key in keys if key_path(key, "value") in paths]
 
 
 def follow(obj: bpy.types.Object) -> Callable[[], None]:
@@ -228,12 +244,11 @@ def follow(obj: bpy.types.Object) -> Callable[[], None]:
     names = [name for name, _ in recognise_bands(obj)]
 
     def renew() -> None:
-        record = obj.data.shape_keys.spectral_tv
-        record.identifier = uuid.uuid4().hex
-        _record_topology(obj)
+        record = record_of(obj)
+        new_identity(obj, record)
         for band, name in zip(record.bands, names, strict=True):
             if name:
-                band.take(obj, "KEY", name)
+                band.take(obj, keeping_of(record).written, name)
 
     return renew
 
@@ -251,26 +266,6 @@ def forget_flows() -> None:
     _flows.clear()
 
 
-def _record(obj, settings, surface, split) -> None:
-    record = obj.data.shape_keys.spectral_tv
-    record.identifier = uuid.uuid4().hex
-    record.method, record.settings = settings.method, settings.text()
-    record.solo = 0
-    record.area = surface.mesh.area
-    _record_topology(obj)
-    record.spectrum.clear()
-    for time, strength in zip(split.times[1:-1], split.spectrum, strict=True):
-        sample = record.spectrum.add()
-        sample.time, sample.strength = time, strength
-
-
-def _record_topology(obj: bpy.types.Object) -> None:
-    record = obj.data.shape_keys.spectral_tv
-    record.topology = topology_digest(obj.data)
-    record.vertex_count = len(obj.data.vertices)
-    record.corner_count = len(obj.data.loops)
-
-
 def _source(surface: Surface, arguments: dict[str, Any]) -> str:
     """Digest of all that a flow depends on."""
     parts = [surface.mesh.vertices, surface.mesh.triangles]
@@ -283,22 +278,27 @@ def _names(method: str, count: int) -> list[str]:
     return [f"{METHODS[method].key_label} Band {band + 1}" for band in range(count)]
 
 
-def _add_keys(
-    obj: bpy.types.Object, method: str, edges: np.ndarray, flow: Flow
-) -> list[bpy.types.ShapeKey]:
-    """Add the shape keys of the bands between ``edges``."""
+def _add(
+    obj: bpy.types.Object, record: SpectralTVRecord, method: str, edges: np.ndarray, flow: Flow
+) -> list[Band]:
+    """Add the bands between ``edges``."""
     # One by one, as each is as large as the mesh.
     displacements = (
         flow.surface.to_object(flow.split.bands(np.array(pair)))[0] for pair in pairwise(edges)
     )
-    return add_displacements(obj, _names(method, len(edges) - 1), displacements)
+    return keeping_of(record).add(obj, _names(method, len(edges) - 1), displacements)
 
 
-def _record_bands(obj: bpy.types.Object, names: list[str], edges: np.ndarray) -> None:
-    """Link the record to the shape keys of the bands between ``edges``."""
-    bands = obj.data.shape_keys.spectral_tv.bands
-    bands.clear()
-    for name, start, end in zip(names, edges[:-1], edges[1:], strict=True):
-        band = bands.add()
-        band.take(obj, "KEY", name)
-        band.start, band.end = start, end
+def _record_bands(
+    obj: bpy.types.Object,
+    record: SpectralTVRecord,
+    names: list[str],
+    given: list[str],
+    edges: np.ndarray,
+) -> None:
+    """Link a record to the bands between ``edges``, and to the names that they were given."""
+    record.bands.clear()
+    for name, first, (start, end) in zip(names, given, pairwise(edges), strict=True):
+        band = record.bands.add()
+        band.take(obj, keeping_of(record).written, name)
+        band.given, band.start, band.end = first, start, end

@@ -4,20 +4,19 @@ The values of bands are a filter over scales, constant within each. The new band
 each component counted once, as bands hold equal numbers of components.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
-from ..scene.channels import Animated, actions_of, key_path
+from ..scene.channels import Animated, actions_of
 from ..scene.curve_sums import Term, total
 from ..scene.drivers import copy_driver, retarget_drivers, same_driver
 from ..scene.fcurves import Point, add_curve, make_keyframes, same_modifiers
+from ..scene.keeping import Band, Keeping
 from ..scene.names import free_name
 from ..scene.notes import note
-from ..scene.shape_keys import move_key, remove_key
 
 # Edges are kept in single precision.
 ROUNDING = 1e-6
@@ -72,54 +71,67 @@ def _members(bands: Sequence[tuple[float, float]], times: np.ndarray) -> np.ndar
     return (band == np.arange(len(bands))[:, np.newaxis]) & inside
 
 
+@dataclass(frozen=True)
+class Former:
+    """A band that others take the place of, None if it is no more, and the name it was given.
+
+    One that ``stays`` is muted, as the new ones are seen in its place.
+    """
+
+    band: Band | None
+    stays: bool
+    given: str
+
+
 def take_place(
     obj: bpy.types.Object,
-    old: Sequence[bpy.types.ShapeKey | None],
-    kept: Sequence[bool],
-    new: Sequence[bpy.types.ShapeKey],
+    keeping: Keeping,
+    former: Sequence[Former],
+    new: Sequence[Band],
     names: Sequence[str],
     overlap: Overlap,
-) -> list[str]:
-    """Have keys take the place of those of bands, which are removed; returns the new ones' names.
+) -> tuple[list[str], list[str]]:
+    """Have bands take the place of others; returns their names, and those that they were given.
 
-    ``old`` has None for a band that is no more. Those that are ``kept`` stay, but muted, as the new
-    ones are seen in their place. ``names`` are those that the new ones get if they are free; one
-    that holds what an old one held gets that one's name.
+    ``names`` are those that the new ones get if they are free; one that holds what an old one held
+    gets that one's name.
     """
-    blocks = obj.data.shape_keys.key_blocks
-    gone = [None if stays else key for key, stays in zip(old, kept, strict=True)]
-    carrier = _Carrier(obj.data.shape_keys, old, new, names, overlap)
+    there = keeping.all(obj)
+    old = [each.band for each in former]
+    gone = [None if each.stays else each.band for each in former]
+    carrier = _Carrier(keeping, obj, former, new, names, overlap)
     carrier.carry()
-    carrier.tell_names(gone)
+    carrier.tell_names()
     active = list(_active_keys(obj, gone, new, overlap))
-    place = min((blocks.find(key.name) for key in gone if key is not None), default=None)
+    place = min((there.find(band.name) for band in gone if band is not None), default=None)
     successors = {
-        key.name: new[successor]
-        for index, key in enumerate(gone)
-        if key is not None and (successor := overlap.successor(index)) is not None
+        band.name: new[successor]
+        for index, band in enumerate(gone)
+        if band is not None and (successor := overlap.successor(index)) is not None
     }
-    for key in old:
-        if key is not None and key not in gone:
-            key.mute = True
-    for key in gone:
-        if key is not None:
-            remove_key(obj, key)
-    for key, name in zip(new, carrier.names, strict=True):
-        key.name = free_name(name, "", {other.name for other in blocks if other != key})
-    retarget_drivers(obj.data, {name: key.name for name, key in successors.items()})
-    for index, key in enumerate(new if place is not None else ()):
-        move_key(obj, key, place + index)
-    for user, key in active:
-        user.active_shape_key_index = blocks.find(key.name)
-    return [key.name for key in new]
+    for band in old:
+        if band is not None and band not in gone:
+            band.mute = True
+    for band in gone:
+        if band is not None:
+            keeping.remove(obj, band)
+    for band, name in zip(new, carrier.names, strict=True):
+        band.name = free_name(name, "", {other.name for other in there if other != band})
+    retarget_drivers(obj.data, {name: band.name for name, band in successors.items()})
+    for index, band in enumerate(new if place is not None else ()):
+        keeping.move(obj, band, place + index)
+    for user, band in active:
+        user.active_shape_key_index = there.find(band.name)
+    given = [
+        band.name if name in names else former[overlap.equal(index)].given
+        for index, (band, name) in enumerate(zip(new, carrier.names, strict=True))
+    ]
+    return [band.name for band in new], given
 
 
 def _active_keys(
-    obj: bpy.types.Object,
-    gone: Sequence[bpy.types.ShapeKey | None],
-    new: Sequence[bpy.types.ShapeKey],
-    overlap: Overlap,
-) -> Iterator[tuple[bpy.types.Object, bpy.types.ShapeKey]]:
+    obj: bpy.types.Object, gone: Sequence[Band | None], new: Sequence[Band], overlap: Overlap
+) -> Iterator[tuple[bpy.types.Object, Band]]:
     """The key that will be the active one of each object that has the mesh."""
     for user in bpy.data.objects:
         key = user.active_shape_key if user.data == obj.data else None
@@ -129,23 +141,26 @@ def _active_keys(
 
 
 class _Carrier:
-    """Carries what is set of the old keys over to the new ones."""
+    """Carries what is set of the old bands over to the new ones."""
 
     def __init__(
         self,
-        keys: bpy.types.Key,
-        old: Sequence[bpy.types.ShapeKey | None],
-        new: Sequence[bpy.types.ShapeKey],
+        keeping: Keeping,
+        obj: bpy.types.Object,
+        former: Sequence[Former],
+        new: Sequence[Band],
         names: Sequence[str],
         overlap: Overlap,
     ) -> None:
-        """Take the keys of old and new bands, and the names of these."""
-        self.keys, self.old, self.new, self.parts = keys, old, new, overlap.parts
+        """Take the old and the new bands, and the names of these."""
+        self.block, self.path = keeping.animated(obj), keeping.path
+        self.former, self.old = former, [each.band for each in former]
+        self.new, self.parts = new, overlap.parts
         self.mixed: list[str] = []
-        self.successors = [overlap.successor(band) for band in range(len(old))]
+        self.successors = [overlap.successor(band) for band in range(len(former))]
         equals = [overlap.equal(band) for band in range(len(new))]
         self.names = [
-            name if equal is None or old[equal] is None else old[equal].name
+            name if equal is None or self.old[equal] is None else self.old[equal].name
             for name, equal in zip(names, equals, strict=True)
         ]
 
@@ -160,14 +175,13 @@ class _Carrier:
         if self.mixed:
             note(f"the mean of other values, so that the shape is another: {', '.join(self.mixed)}")
 
-    def tell_names(self, gone: Sequence[bpy.types.ShapeKey | None]) -> None:
+    def tell_names(self) -> None:
         """Note which names that the user gave are gone."""
-        for number, key in enumerate(gone, start=1):
-            successor = self.successors[number - 1]
-            if key is None or key.name in self.names or successor is None:
+        for each, successor in zip(self.former, self.successors, strict=True):
+            if each.band is None or each.stays or successor is None:
                 continue
-            if not re.fullmatch(rf".* Band {number}(\.\d+)*", key.name):
-                note(f"{key.name!r} went into {self.names[successor]!r}")
+            if each.band.name not in (each.given, *self.names):
+                note(f"{each.band.name!r} went into {self.names[successor]!r}")
 
     def _former(self, band: int) -> list[int]:
         """Old bands that a new one has parts of, the largest part first."""
@@ -213,9 +227,9 @@ class _Carrier:
 
     def _animated(self) -> Iterator[Animated]:
         """The actions with curves of the old keys, each of them the keys' own."""
-        paths = tuple(key_path(key) for key in self.old if key is not None)
+        paths = tuple(self.path(key) for key in self.old if key is not None)
         seen = set()
-        for animated in actions_of(self.keys):
+        for animated in actions_of(self.block):
             curves = animated.curves
             if curves is None or not any(each.data_path.startswith(paths) for each in curves):
                 continue
@@ -235,7 +249,7 @@ class _Carrier:
         moving = {
             old: curve
             for old in self._heard(band)
-            if (curve := curves.find(key_path(self.old[old], "value"))) is not None
+            if (curve := curves.find(self.path(self.old[old], "value"))) is not None
         }
         if not all(curve.mute for curve in moving.values()):
             moving = {old: curve for old, curve in moving.items() if not curve.mute}
@@ -252,30 +266,30 @@ class _Carrier:
                 for old in self._heard(band)
             ]
             first = next(iter(moving.values()))
-            add_curve(curves, key_path(key, "value"), total(terms), first)
+            add_curve(curves, self.path(key, "value"), total(terms), first)
             same = [same_modifiers([first, curve]) for curve in moving.values()]
             self._tell(band, "modifiers of curves", [*moving], same)
         for old in self._former(band)[:1]:
-            start = key_path(self.old[old])
+            start = self.path(self.old[old])
             for curve in [each for each in curves if each.data_path.startswith(start)]:
                 name = curve.data_path.removeprefix(start)
                 if name != "value":
                     points = [Point.of(point) for point in curve.keyframe_points]
-                    add_curve(curves, key_path(key, name), points, curve)
+                    add_curve(curves, self.path(key, name), points, curve)
 
     def _carry_drivers(self, band: int) -> None:
-        animation = self.keys.animation_data
+        animation = self.block.animation_data
         if animation is None or not self._former(band):
             return
         drivers = {
-            old: animation.drivers.find(key_path(self.old[old], "value"))
+            old: animation.drivers.find(self.path(self.old[old], "value"))
             for old in self._former(band)
         }
         # Of equal parts the one that is driven.
         former = sorted(drivers, key=lambda old: (-self.parts[band, old], drivers[old] is None))
         same = [same_driver(drivers[former[0]], drivers[old]) for old in former]
         self._tell(band, "drivers", former, same)
-        start = key_path(self.old[former[0]])
+        start = self.path(self.old[former[0]])
         for driver in [each for each in animation.drivers if each.data_path.startswith(start)]:
             name = driver.data_path.removeprefix(start)
-            copy_driver(animation, driver, key_path(self.new[band], name))
+            copy_driver(animation, driver, self.path(self.new[band], name))

@@ -5,10 +5,9 @@ import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ..job.operator import ChangeOperator
-from ..scene.channels import insert_keyframe
 from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
-from ..scene.records import band_keys, record_of, renew_bands, topology_changed
+from ..scene.records import bands_of, keeping_of, record_of, renew_bands, topology_changed
 from . import filter_curve
 from .bands import cut_again, has_flow, set_values
 from .gains import PRESETS, curve_values, idle_reason, preset_values
@@ -117,9 +116,9 @@ class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
     bl_label = "Keyframe All Bands"
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        keys = [key for key in band_keys(obj) if key is not None]
-        frame = context.scene.frame_current
-        failed = [key.name for key in keys if not insert_keyframe(key, "value", frame)]
+        keys = [key for key in bands_of(obj) if key is not None]
+        frame, keyframe = context.scene.frame_current, keeping_of(record_of(obj)).keyframe
+        failed = [key.name for key in keys if not keyframe(key, frame)]
         if failed:
             told = (
                 f"Blender inserts no keyframes for {', '.join(failed)}: their animation is linked "
@@ -155,7 +154,7 @@ class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
         others = [obj for obj in context.selected_objects if obj != source]
         if not others:
             raise Refusal("select the other objects too")
-        values = [key.value if key is not None else 0.0 for key in band_keys(source)]
+        values = [key.value if key is not None else 0.0 for key in bands_of(source)]
         alike = [obj for obj in others if _is_alike(obj, source)]
         skipped = ", ".join(obj.name for obj in others if obj not in alike)
         if skipped:

@@ -9,7 +9,7 @@ from ..scene import mix
 from ..scene.modifiers import passed_over, symmetries
 from ..scene.notes import note
 from ..scene.objects import Refusal
-from ..scene.records import band_keys, record_of
+from ..scene.records import bands_of, record_of
 from ..scene.surface import Reading, Surface
 from ..scene.touching import touching
 from .settings import SHAPES, Settings
@@ -90,4 +90,4 @@ def _base(obj: bpy.types.Object, settings: Settings) -> list[bpy.types.ShapeKey]
 
 
 def _bands(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
-    return [key for key in band_keys(obj) if key] if record_of(obj) is not None else []
+    return [key for key in bands_of(obj) if key] if record_of(obj) is not None else []

@@ -3,7 +3,7 @@
 import bpy
 
 from ..scene.objects import Refusal
-from ..scene.records import SpectralTVBand, band_keys, record_of
+from ..scene.records import SpectralTVBand, bands_of, record_of
 
 
 def toggle_solo(obj: bpy.types.Object, number: int) -> None:
@@ -43,4 +43,4 @@ def end_solo(obj: bpy.types.Object) -> None:
 
 
 def _pairs(obj: bpy.types.Object) -> list[tuple[SpectralTVBand, bpy.types.ShapeKey | None]]:
-    return [*zip(record_of(obj).bands, band_keys(obj), strict=True)]
+    return [*zip(record_of(obj).bands, bands_of(obj), strict=True)]

@@ -6,9 +6,8 @@ from bpy.props import IntProperty
 
 from ..scene import results
 from ..scene.contents import topology_digest
-from ..scene.mix import key_displacement
 from ..scene.objects import Refusal
-from ..scene.records import band_keys, record_of
+from ..scene.records import bands_of, keeping_of, record_of
 from ..scene.results import Piece
 from ..scene.whole import whole
 from .bands import set_values
@@ -38,7 +37,7 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
         reason = bands_refusal(source)
         if reason is not None:
             raise Refusal(f"{source.name} has no bands to take: {reason}")
-        own, others = band_keys(obj), band_keys(source)
+        own, others = bands_of(obj), bands_of(source)
         if len(own) != len(others):
             raise Refusal(f"it has {len(own)} bands, but {source.name} has {len(others)}")
         if topology_digest(obj.data) != topology_digest(source.data):
@@ -53,10 +52,11 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
         # Directions are kept in the world, lengths relative to the sizes of the objects.
         turn = np.array(obj.matrix_world.to_3x3().inverted_safe() @ source.matrix_world.to_3x3())
         turn *= np.sqrt(record_of(obj).area / record_of(source).area)
+        displacement = keeping_of(record_of(source)).displacement
         names = []
         with whole(obj):
             for band in chosen:
-                piece = Piece("KEY", key_displacement(others[band]) @ turn.T)
+                piece = Piece("KEY", displacement(others[band]) @ turn.T)
                 taken = {f"{source.name} {others[band].name}": piece}
                 # One that was taken in its place before goes.
                 names += results.write(obj, KIND, str(band + 1), taken, lambda _: True, _wanted)

@@ -69,7 +69,7 @@ def property_of(kind: type, name: str) -> Any:
 def give(choices: bpy.types.PropertyGroup, target: bpy.types.OperatorProperties, to: type) -> None:
     """Give the properties ``target`` of an operator of the class ``to`` what was chosen."""
     for cls in to.__mro__:
-        if issubclass(cls, Choices):
+        if "declared_by" in vars(cls):
             for name in inspect.get_annotations(cls):
                 setattr(target, name, getattr(choices, name))
 

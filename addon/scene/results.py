@@ -18,6 +18,7 @@ from .fingerprints import Fingerprint, Likeness, names, recognise
 from .names import free_name, taken_names
 from .notes import note
 from .objects import Refusal
+from .records import SpectralTVRecord
 from .shape_keys import add_displacements, remove_key, set_displacement
 from .whole import whole
 
@@ -40,6 +41,7 @@ class SpectralTVResult(Fingerprint, bpy.types.PropertyGroup):
 class SpectralTVMesh(bpy.types.PropertyGroup):
     """What a mesh remembers of what was written on it and of it."""
 
+    decomposition: PointerProperty(type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"})
     results: CollectionProperty(type=SpectralTVResult)
     table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
     picture: PointerProperty(type=bpy.types.Image, name="Picture", description="Of the same")
