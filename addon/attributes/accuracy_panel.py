@@ -43,6 +43,3 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
         for cell in chain.from_iterable(accuracy.summary(text.as_string())):
             grid.label(text=cell)
         layout.label(text=text.name, icon="TEXT")
-
-
-CLASSES = (SPECTRAL_TV_PT_accuracy,)

@@ -72,6 +72,3 @@ def verdict(name: str, test: spectral_tv.EigensetTest) -> str:
         return text + "no larger set that was tried has a smaller perimeter"
     less = f"{1 - test.perimeter_ratio:.0%} less perimeter"
     return text + f"a larger set has {less} in relation to the area around it"
-
-
-CLASSES = (SPECTRAL_TV_OT_test_eigenset,)

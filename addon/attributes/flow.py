@@ -39,6 +39,3 @@ class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeChoices, bpy.types.Ope
         """Lay out Adjust Last Operation."""
         self.layout.use_property_split = True
         rows.draw(self.layout, self, *COLUMNS)
-
-
-CLASSES = (SPECTRAL_TV_OT_flow_attribute,)

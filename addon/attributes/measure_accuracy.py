@@ -88,6 +88,3 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
         self.layout.use_property_split = True
         rows.draw(self.layout, self, "method")
         self.layout.prop(self, "shown")
-
-
-CLASSES = (SPECTRAL_TV_OT_measure_accuracy,)

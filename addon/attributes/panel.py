@@ -67,6 +67,3 @@ class SPECTRAL_TV_PT_eigenset(AttributesPart, bpy.types.Panel):
         layout.prop_search(choices, "group", context.active_object, "vertex_groups")
         operator = layout.operator(SPECTRAL_TV_OT_test_eigenset.bl_idname, icon="VIEWZOOM")
         operator.group = choices.group
-
-
-CLASSES = (SPECTRAL_TV_PT_attributes, SPECTRAL_TV_PT_values, SPECTRAL_TV_PT_eigenset)

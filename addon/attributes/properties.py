@@ -15,9 +15,8 @@ COLUMNS = ("source", "sizes bands", "filter", "law steps")
 class SpectralTVAttributes(SidebarFilter, MeasureChoices, bpy.types.PropertyGroup):
     """What is flowed, and what is told of it."""
 
+    owner = bpy.types.Scene, "spectral_tv_attributes"
+
     group: StringProperty(
         name="Set", description="The vertex group to test; the active one if left empty"
     )
-
-
-CLASSES = (SpectralTVAttributes,)

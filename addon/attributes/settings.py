@@ -58,37 +58,23 @@ class Settings(FilterSettings):
     exact: bool = switch(
         "Exact",
         "Follow Total Variation exactly: spots fade in a straight line until they are gone. "
-        "Otherwise faster, and faint remains may stay",
-        True,
-        applies=Only("law", ["TV"]),
-        dims=True,
-        place="law",
-    )
+        "Otherwise faster, and faint remains may stay", True, applies=Only("law", ["TV"]),
+        dims=True, place="law"
+    )  # fmt: skip
     size: float = _size(
         "Size",
         f"How far to flow, {SIZE}: with Total Variation if it stands out by the whole range of the "
-        "values, and sooner the less it does",
-        10,
-        0.01,
-        100,
-        Only("result", ["FLOW"]),
-    )
+        "values, and sooner the less it does", 10, 0.01, 100, Only("result", ["FLOW"])
+    )  # fmt: skip
     finest: float = _size(
         "Finest",
-        f"Where the first band ends, about, {SIZE} from there on",
-        1,
-        0.001,
-        50,
-        IN_BANDS,
-    )
+        f"Where the first band ends, about, {SIZE} from there on", 1, 0.001, 50, IN_BANDS
+    )  # fmt: skip
     largest: float = _size(
         "Largest",
-        f"Where the last band ends, {SIZE} there. What is larger stays in the rest",
-        40,
-        0.01,
-        100,
-        IN_BANDS,
-    )
+        f"Where the last band ends, {SIZE} there. What is larger stays in the rest", 40, 0.01, 100,
+        IN_BANDS
+    )  # fmt: skip
 
     @property
     def is_exact(self) -> bool:
@@ -104,7 +90,5 @@ class Measure(Settings):
     groups: str = name_of(
         "Groups",
         "Vertex groups, with commas between; all but those written here if empty",
-        applies=Only("parts", ["GROUPS"]),
-        dims=True,
-        place="parts",
-    )
+        applies=Only("parts", ["GROUPS"]), dims=True, place="parts"
+    )  # fmt: skip

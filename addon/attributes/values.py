@@ -96,6 +96,3 @@ def save(path: str, text: str) -> None:
         write_text(Path(bpy.path.abspath(path)), text)
     except NotWritten as error:
         raise Refusal(str(error)) from error
-
-
-CLASSES = (SPECTRAL_TV_OT_plot_values, SPECTRAL_TV_OT_export_values)

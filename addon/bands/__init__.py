@@ -1,8 +1,5 @@
 """Bands of detail: split off, filtered, exaggerated, kept as shape keys."""
 
-import bpy
-from bpy.props import PointerProperty
-
 from . import (
     apply_modifier,
     bands,
@@ -17,25 +14,15 @@ from . import (
     verb,
 )
 
-_FILES = (
+FILES = (
     properties,
     decompose,
     set_bands,
     take_bands,
     apply_modifier,
-    caricature,
     decompose_panel,
     bands_panel,
-)
-CLASSES = tuple(cls for file in _FILES for cls in file.CLASSES)
-PROPERTIES = (
-    (bpy.types.Scene, "spectral_tv", PointerProperty(type=properties.SpectralTVScene)),
-    (bpy.types.Scene, "spectral_tv_filter", PointerProperty(type=properties.SpectralTVFilter)),
-    (
-        bpy.types.Scene,
-        "spectral_tv_caricature",
-        PointerProperty(type=caricature.SpectralTVCaricature),
-    ),
+    caricature,
 )
 VERBS = (verb.Decompose(),)
 FORGET = (bands.forget_flows, spectrum.forget)

@@ -70,6 +70,3 @@ def apply_refusal(obj: bpy.types.Object | None) -> str | None:
     if not any(each.show_viewport for each in obj.modifiers):
         return "All its modifiers are disabled in the viewport"
     return None
-
-
-CLASSES = (SPECTRAL_TV_OT_apply_modifier,)

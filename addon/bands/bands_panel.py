@@ -150,11 +150,3 @@ class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
                 SPECTRAL_TV_OT_apply_modifier.bl_idname, text=modifier.name, icon="CHECKMARK"
             )
             operator.modifier = modifier.name
-
-
-CLASSES = (
-    SPECTRAL_TV_PT_bands,
-    SPECTRAL_TV_PT_filters,
-    SPECTRAL_TV_PT_curve,
-    SPECTRAL_TV_PT_modifiers,
-)

@@ -29,12 +29,9 @@ class CaricatureSettings:
     """Which bands of all meshes are exaggerated, and which are smoothed away."""
 
     method: str = choice(
-        "Method",
-        "What the bands split off",
-        [each.item for each in OF_THE_PAPER],
-        "M3",
-        place="method",
-    )
+        "Method", "What the bands split off", [each.item for each in OF_THE_PAPER], "M3",
+        place="method"
+    )  # fmt: skip
     bands: int = integer("Bands", "Number of bands", 5, 2, 32, place="method")
     steps: int = integer("Steps", STEPS, 32, 3, 1000, soft_most=128, place="method")
     first: int = integer(
@@ -43,22 +40,13 @@ class CaricatureSettings:
     last: int = integer("To", "Last exaggerated band; 1 is the finest", 5, 1, None, place="range")
     amount: float = number(
         "Exaggerate by",
-        "How much is added to these bands: 1 doubles them",
-        1,
-        None,
-        None,
-        soft_least=-1,
-        soft_most=4,
-        place="amount",
-    )
+        "How much is added to these bands: 1 doubles them", 1, None, None, soft_least=-1,
+        soft_most=4, place="amount"
+    )  # fmt: skip
     smooth: int = integer(
         "Smooth",
-        "So many of the finest bands are removed; 0 keeps the skin",
-        1,
-        0,
-        None,
-        place="amount",
-    )
+        "So many of the finest bands are removed; 0 keeps the skin", 1, 0, None, place="amount"
+    )  # fmt: skip
 
 
 CaricatureChoices = choices_of(CaricatureSettings)
@@ -66,6 +54,8 @@ CaricatureChoices = choices_of(CaricatureSettings)
 
 class SpectralTVCaricature(CaricatureChoices, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
+
+    owner = bpy.types.Scene, "spectral_tv_caricature"
 
 
 @dataclass(frozen=True)
@@ -143,6 +133,3 @@ class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
         settings = Settings(method=choices.method, steps=choices.steps)
         draw_selection(layout, context, "filter", partial(of_meshes, settings))
         draw_button(layout, SPECTRAL_TV_OT_caricature, "OUTLINER_OB_ARMATURE", choices)
-
-
-CLASSES = (SpectralTVCaricature, SPECTRAL_TV_OT_caricature, SPECTRAL_TV_PT_caricature)

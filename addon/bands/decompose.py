@@ -86,6 +86,3 @@ def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:
     bpy.context.view_layer.objects.active = copy
     note(f"the bands are on {copy.name!r}, with its modifiers applied; {obj.name!r} is hidden")
     return copy
-
-
-CLASSES = (SPECTRAL_TV_OT_decompose,)

@@ -90,11 +90,3 @@ class SPECTRAL_TV_PT_base(PartPanel, bpy.types.Panel):
 
     bl_label = "Base"
     place = "base"
-
-
-CLASSES = (
-    SPECTRAL_TV_PT_decompose,
-    SPECTRAL_TV_PT_shape,
-    SPECTRAL_TV_PT_scales,
-    SPECTRAL_TV_PT_base,
-)

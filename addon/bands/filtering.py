@@ -36,71 +36,39 @@ class FilterSettings:
     steps: int = integer(
         "Steps",
         "Number of time steps of the flow. More steps are more accurate and separate scales more "
-        "sharply",
-        32,
-        2,
-        1000,
-        soft_most=128,
-        place="steps",
-    )
+        "sharply", 32, 2, 1000, soft_most=128, place="steps"
+    )  # fmt: skip
     preset: str = choice(
-        "Filter",
-        "What happens to the bands",
-        FILTERS,
-        "LOW_PASS",
-        applies=FILTERED,
-        place="filter",
-        argument="",
-    )
+        "Filter", "What happens to the bands", FILTERS, "LOW_PASS", applies=FILTERED,
+        place="filter", argument=""
+    )  # fmt: skip
     gains: str = name_of(
         "Gains",
-        "A number for every band, finest first, with spaces or commas between: 0 removes it, "
-        "1 keeps it, 2 doubles it",
-        "0 0 1 1 1",
-        applies=(FILTERED, Only("preset", ["GAINS"])),
-        place="filter",
-        argument="",
-    )
+        "A number for every band, finest first, with spaces or commas between: 0 removes it, 1 "
+        "keeps it, 2 doubles it", "0 0 1 1 1", applies=(FILTERED, Only("preset", ["GAINS"])),
+        place="filter", argument=""
+    )  # fmt: skip
     first: int = integer(
         "From",
-        "First of the chosen bands; 1 is the finest",
-        3,
-        1,
-        None,
-        applies=(FILTERED, UNDER),
-        place="filter",
-        argument="",
-    )
+        "First of the chosen bands; 1 is the finest", 3, 1, None, applies=(FILTERED, UNDER),
+        place="filter", argument=""
+    )  # fmt: skip
     last: int = integer(
         "To",
-        "Last of the chosen bands; 1 is the finest",
-        3,
-        1,
-        None,
-        applies=(FILTERED, UNDER),
-        place="filter",
-        argument="",
-    )
+        "Last of the chosen bands; 1 is the finest", 3, 1, None, applies=(FILTERED, UNDER),
+        place="filter", argument=""
+    )  # fmt: skip
     amount: float = number(
         "Exaggerate by",
-        "How much is added to the chosen bands: 1 doubles them",
-        1,
-        None,
-        None,
-        soft_least=-1,
-        soft_most=4,
-        applies=(FILTERED, Only("preset", ["EXAGGERATE"])),
-        place="filter",
-        argument="",
-    )
+        "How much is added to the chosen bands: 1 doubles them", 1, None, None, soft_least=-1,
+        soft_most=4, applies=(FILTERED, Only("preset", ["EXAGGERATE"])), place="filter",
+        argument=""
+    )  # fmt: skip
     keep_rest: bool = switch(
         "Keep the Rest",
-        "Keep what no band holds: the values' largest spots and their mean",
-        True,
-        applies=FILTERED,
-        place="filter",
-        argument="",
-    )
+        "Keep what no band holds: the values' largest spots and their mean", True, applies=FILTERED,
+        place="filter", argument=""
+    )  # fmt: skip
 
 
 def filter_values(choice: FilterSettings) -> list[float]:

@@ -40,48 +40,24 @@ class Method:
 
 
 OF_THE_PAPER = (
-    Method(
-        "M1",
-        "Shape Detail",
-        "Surface detail of every size, the body undistorted (M1, shape TV)",
-    ),
+    Method("M1", "Shape Detail",
+           "Surface detail of every size, the body undistorted (M1, shape TV)"),
     Method("M2", "Limbs and Head", "Limbs, head, ears, tail (M2, conformalized 3-Laplace)"),
-    Method(
-        "M3",
-        "Edge-Keeping Detail",
-        "Detail with crisp edges: plates, folds (M3, directional TV)",
-        takes_base=True,
-    ),
-)
+    Method("M3", "Edge-Keeping Detail",
+           "Detail with crisp edges: plates, folds (M3, directional TV)", takes_base=True),
+)  # fmt: skip
 COMPARISONS = (
-    Method(
-        "NAIVE",
-        "Per Axis",
-        "Each axis alone, which squares the shape along its axes",
-    ),
+    Method("NAIVE", "Per Axis", "Each axis alone, which squares the shape along its axes"),
     Method("HEAT", "Heat", "Linear diffusion, which blurs edges"),
-    Method(
-        "LB",
-        "Eigenfunctions",
-        "Waves on the surface, from fine to coarse (Laplace–Beltrami eigenfunctions). The first "
-        "band is what they do not hold",
-        takes_steps=False,
-    ),
-    Method(
-        "DISPLACEMENT",
-        "Displacement",
-        "All detail as one band: the displacement from the smoothed shape (Cignoni et al. 2005)",
-        takes_steps=False,
-        takes_base=True,
-        has_bands=False,
-    ),
-    Method(
-        "M2_P2",
-        "M2 with P = 2",
-        "Conformalized mean curvature flow, of which M2 is made",
-    ),
+    Method("LB", "Eigenfunctions",
+           "Waves on the surface, from fine to coarse (Laplace–Beltrami eigenfunctions). The first "
+           "band is what they do not hold", takes_steps=False),
+    Method("DISPLACEMENT", "Displacement",
+           "All detail as one band: the displacement from the smoothed shape (Cignoni et al. 2005)",
+           takes_steps=False, takes_base=True, has_bands=False),
+    Method("M2_P2", "M2 with P = 2", "Conformalized mean curvature flow, of which M2 is made"),
     Method("M2_P1", "M2 with P = 1", "The conformalized 1-Laplace"),
-)
+)  # fmt: skip
 METHODS = {each.name: each for each in (*OF_THE_PAPER, *COMPARISONS)}
 # As the items of a menu, comparison methods apart.
 ITEMS = (

@@ -14,9 +14,13 @@ DecompositionChoices = choices_of(Settings)
 class SpectralTVScene(sidebar_of(Settings), bpy.types.PropertyGroup):
     """How the active object is decomposed."""
 
+    owner = bpy.types.Scene, "spectral_tv"
+
 
 class SpectralTVFilter(SidebarFilter, bpy.types.PropertyGroup):
     """Which bands the common filters are about."""
+
+    owner = bpy.types.Scene, "spectral_tv_filter"
 
     # That of any of them.
     preset = "BAND_PASS"
@@ -32,6 +36,3 @@ class SpectralTVFilter(SidebarFilter, bpy.types.PropertyGroup):
         """That of the active object."""
         record = record_of(bpy.context.active_object)
         return Settings.bands if record is None else len(record.bands)
-
-
-CLASSES = (SpectralTVScene, SpectralTVFilter)

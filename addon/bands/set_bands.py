@@ -201,15 +201,3 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         cut_again(obj, self.bands)
-
-
-CLASSES = (
-    SPECTRAL_TV_OT_filter,
-    SPECTRAL_TV_OT_add_curve,
-    SPECTRAL_TV_OT_apply_curve,
-    SPECTRAL_TV_OT_solo,
-    SPECTRAL_TV_OT_keyframe,
-    SPECTRAL_TV_OT_bake,
-    SPECTRAL_TV_OT_copy_filter,
-    SPECTRAL_TV_OT_cut,
-)

@@ -51,115 +51,62 @@ class Settings:
     method: str = choice("Method", "What the bands split off", methods.ITEMS, "M1", place="method")
     bands: int = integer(
         "Bands",
-        "Number of bands, from the finest detail to the largest",
-        5,
-        1,
-        32,
-        applies=methods.WITH_BANDS,
-        place="method",
-    )
+        "Number of bands, from the finest detail to the largest", 5, 1, 32,
+        applies=methods.WITH_BANDS, place="method"
+    )  # fmt: skip
     steps: int = integer(
         "Steps", STEPS, 32, 2, 1000, soft_most=128, applies=methods.WITH_BANDS, place="method"
     )
     accuracy: float = share(
         "Error",
         "How far the bands may be from those of the finest steps, relative to their size: 10% is "
-        "hardly seen",
-        5,
-        0.5,
-        50,
-        digits=1,
+        "hardly seen", 5, 0.5, 50, digits=1,
         switch=(
-            "use_accuracy",
-            "Steps by Accuracy",
-            "Take as many steps as the accuracy needs. The first flows, which tell how many, take "
-            "time too",
+            "use_accuracy", "Steps by Accuracy", "Take as many steps as the accuracy needs. The "
+            "first flows, which tell how many, take time too"
         ),
-        instead_of="steps",
-        applies=methods.IN_STEPS,
-        keyword="accuracy",
-        metavar="E",
-        refused=True,
-    )
+        instead_of="steps", applies=methods.IN_STEPS, keyword="accuracy", metavar="E", refused=True
+    )  # fmt: skip
     eigenpairs: int = integer(
         "Eigenfunctions",
         "Number of eigenfunctions, the coarsest. More of them hold finer detail; the time grows "
-        "with the square of their number",
-        300,
-        2,
-        10000,
-        soft_most=1000,
-        applies=methods.EIGENFUNCTIONS,
-        place="method",
-        keyword="eigenpairs",
-    )
+        "with the square of their number", 300, 2, 10000, soft_most=1000,
+        applies=methods.EIGENFUNCTIONS, place="method", keyword="eigenpairs"
+    )  # fmt: skip
     finest: float = share(
         "Finest",
-        "Size of the finest detail to tell apart, relative to the object's size",
-        0,
-        0,
-        50,
-        soft_least=0.01,
-        digits=2,
-        switch=SCALES,
-        own="own_finest",
-        applies=methods.WITH_BANDS,
-        place="scales",
-    )
+        "Size of the finest detail to tell apart, relative to the object's size", 0, 0, 50,
+        soft_least=0.01, digits=2, switch=SCALES, own="own_finest", applies=methods.WITH_BANDS,
+        place="scales"
+    )  # fmt: skip
     largest: float = share(
         "Largest",
         "Size of the largest features that bands hold, relative to the object's size. What is "
-        "larger stays in the low-pass",
-        0,
-        0,
-        100,
-        soft_least=0.02,
-        digits=2,
-        switch=SCALES,
-        own="own_largest",
-        applies=methods.WITH_BANDS,
-        place="scales",
-    )
+        "larger stays in the low-pass", 0, 0, 100, soft_least=0.02, digits=2, switch=SCALES,
+        own="own_largest", applies=methods.WITH_BANDS, place="scales"
+    )  # fmt: skip
     base: str = choice(
         "Base",
-        "The smooth shape from which detail is measured",
-        BASES,
-        other=("KEY", "base_key"),
-        applies=methods.WITH_BASE,
-        place="base",
-        refused=True,
-    )
+        "The smooth shape from which detail is measured", BASES, other=("KEY", "base_key"),
+        applies=methods.WITH_BASE, place="base", refused=True
+    )  # fmt: skip
     base_amount: float = share(
         "Smoothing",
-        "Size of the features that vanish from the base, relative to the object's size",
-        0,
-        0,
-        50,
-        soft_least=0.1,
-        digits=1,
+        "Size of the features that vanish from the base, relative to the object's size", 0, 0, 50,
+        soft_least=0.1, digits=1,
         switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
-        own="own_base_amount",
-        applies=(methods.WITH_BASE, Only("base", ["FLOW"])),
-        place="base",
-        refused=True,
-    )
+        own="own_base_amount", applies=(methods.WITH_BASE, Only("base", ["FLOW"])), place="base",
+        refused=True
+    )  # fmt: skip
     base_key: str = name_of(
-        "Shape Key",
-        "The shape key that is the base",
-        search="key_blocks",
-        applies=(methods.WITH_BASE, Only("base", ["KEY"])),
-        place="base",
-        argument="",
-    )
+        "Shape Key", "The shape key that is the base", search="key_blocks",
+        applies=(methods.WITH_BASE, Only("base", ["KEY"])), place="base", argument=""
+    )  # fmt: skip
     metric: str = choice(
         "Distances",
-        "Along what distances are measured, and with them sizes",
-        METRICS,
-        applies=methods.DIRECTIONAL,
-        place="base",
-        keyword="metric",
-        refused=True,
-    )
+        "Along what distances are measured, and with them sizes", METRICS,
+        applies=methods.DIRECTIONAL, place="base", keyword="metric", refused=True
+    )  # fmt: skip
     vertex_group: str = name_of(
         "Limit to", "Limits where the bands have an effect", search="vertex_groups", place="mask"
     )
@@ -167,21 +114,14 @@ class Settings:
     weld: float = number(
         "Join Within",
         "Corners of open edges this near to one another, and to other open edges, are one, "
-        "relative to the object's size. 0 joins those at exactly the same place",
-        WELD,
-        0,
-        10,
-        soft_most=0.1,
-        unit="PERCENTAGE",
-        digits=4,
-        place="shape",
-    )
+        "relative to the object's size. 0 joins those at exactly the same place", WELD, 0, 10,
+        soft_most=0.1, unit="PERCENTAGE", digits=4, place="shape"
+    )  # fmt: skip
     leaves_out: bool = switch(
         "Leave Out Broken Faces",
         "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",
-        place="shape",
-        argument="leave-out",
-    )
+        place="shape", argument="leave-out"
+    )  # fmt: skip
 
     def text(self) -> str:
         """As a text to be kept."""

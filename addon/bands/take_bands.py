@@ -78,6 +78,3 @@ def _other(context: bpy.types.Context) -> bpy.types.Object:
     if len(others) != 1:
         raise Refusal("select the one object whose bands it takes, and then this one")
     return others[0]
-
-
-CLASSES = (SPECTRAL_TV_OT_take_bands,)

@@ -50,6 +50,3 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
 
     def _frames(self) -> list[int]:
         return every(self.frame_start, self.frame_end, self.step)
-
-
-CLASSES = (SPECTRAL_TV_OT_bake_deformation,)

@@ -94,10 +94,3 @@ def _selected_group(obj: bpy.types.Object, label: str) -> str:
     elif obj.vertex_groups.active is None:
         raise Refusal("it has no vertex group; select the vertices in Edit Mode, or make one")
     return obj.vertex_groups.active.name
-
-
-CLASSES = (
-    SPECTRAL_TV_OT_constraint_add,
-    SPECTRAL_TV_OT_constraint_remove,
-    SPECTRAL_TV_OT_constraint_rest,
-)

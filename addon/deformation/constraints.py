@@ -171,19 +171,10 @@ class Settings:
     algorithm: str = choice("Algorithm", "How the others follow", ALGORITHMS, place="follow")
     softness: float = number(
         "Softness",
-        "Width of the stretched zone, relative to the object's size. At 0 a narrow place stretches "
-        "within a ring of faces",
-        5,
-        0,
-        100,
-        soft_most=30,
-        unit="PERCENTAGE",
-        digits=1,
-        applies=Only("algorithm", ["CONVEX"]),
-        dims=True,
-        place="follow",
-        refused=True,
-    )
+        "Width of the stretched zone, relative to the object's size. At 0 a narrow place "
+        "stretches within a ring of faces", 5, 0, 100, soft_most=30, unit="PERCENTAGE", digits=1,
+        applies=Only("algorithm", ["CONVEX"]), dims=True, place="follow", refused=True
+    )  # fmt: skip
 
 
 DeformationChoices = choices_of(Settings)
@@ -191,6 +182,8 @@ DeformationChoices = choices_of(Settings)
 
 class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyGroup):
     """The constraints of an object, and the fingerprint of the shape key they lead to."""
+
+    owner = bpy.types.Object, "spectral_tv"
 
     constraints: CollectionProperty(type=SpectralTVConstraint)
     active: IntProperty(name="Constraint", description="The chosen constraint")
@@ -207,9 +200,6 @@ class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyG
         min=1,
     )
     baked: CollectionProperty(type=SpectralTVBakedKey)
-
-
-CLASSES = (SpectralTVConstraint, SpectralTVBakedKey, SpectralTVDeformation)
 
 
 def deformation_of(obj: bpy.types.Object) -> SpectralTVDeformation:

@@ -47,6 +47,3 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator)
         """Lay out Adjust Last Operation."""
         self.layout.use_property_split = True
         rows.draw(self.layout, self, "follow")
-
-
-CLASSES = (SPECTRAL_TV_OT_deform,)

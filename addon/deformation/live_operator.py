@@ -116,6 +116,3 @@ def end() -> None:
     if running is not None:
         running._live.stop()
     SPECTRAL_TV_OT_deform_live._running = None
-
-
-CLASSES = (SPECTRAL_TV_OT_deform_live,)

@@ -165,10 +165,3 @@ class SPECTRAL_TV_PT_bake_deformation(Sidebar, bpy.types.Panel):
         bake = layout.operator(SPECTRAL_TV_OT_bake_deformation.bl_idname, icon="ACTION")
         bake.frame_start, bake.frame_end = scene.frame_start, scene.frame_end
         bake.step = deformation.bake_step
-
-
-CLASSES = (
-    SPECTRAL_TV_UL_constraints,
-    SPECTRAL_TV_PT_deform,
-    SPECTRAL_TV_PT_bake_deformation,
-)

@@ -76,6 +76,3 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator)
         """Lay out Adjust Last Operation."""
         self.layout.use_property_split = True
         rows.draw(self.layout, self, *COLUMNS)
-
-
-CLASSES = (SPECTRAL_TV_OT_filter_image,)

@@ -37,6 +37,3 @@ class SPECTRAL_TV_PT_image(WorkPanel, bpy.types.Panel):
         row = layout.row()
         row.enabled = reason is None
         draw_button(row, SPECTRAL_TV_OT_filter_image, "IMAGE_DATA", choices)
-
-
-CLASSES = (SPECTRAL_TV_PT_image,)

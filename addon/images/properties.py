@@ -16,11 +16,15 @@ COLUMNS = ("what", "sizes bands", "filter", "exact steps")
 class SpectralTVImages(SidebarFilter, ImageChoices, bpy.types.PropertyGroup):
     """The choices in the Image Editor's sidebar, kept with the scene, and what was written."""
 
+    owner = bpy.types.Scene, "spectral_tv_images"
+
     results: CollectionProperty(type=SpectralTVImageResult)
 
 
 class SpectralTVImage(bpy.types.PropertyGroup):
     """What an image remembers."""
+
+    owner = bpy.types.Image, "spectral_tv"
 
     source: PointerProperty(
         type=bpy.types.Image,
@@ -28,6 +32,3 @@ class SpectralTVImage(bpy.types.PropertyGroup):
         description="What this is a band or a filter of; filtering again starts from there",
     )
     label: StringProperty(name="Label", description="What it is of its source")
-
-
-CLASSES = (SpectralTVImageResult, SpectralTVImages, SpectralTVImage)

@@ -51,24 +51,14 @@ class Settings(FilterSettings):
     metric: str = choice("Distances", "Along what they are", METRICS, place="what")
     height: float = number(
         "Height",
-        "How high the relief is from the darkest to the brightest value",
-        32,
-        0.01,
-        None,
-        soft_most=200,
-        unit="PIXEL",
-        applies=Only("metric", ["SURFACE"]),
-        place="what",
-    )
+        "How high the relief is from the darkest to the brightest value", 32, 0.01, None,
+        soft_most=200, unit="PIXEL", applies=Only("metric", ["SURFACE"]), place="what"
+    )  # fmt: skip
     finest: float = _size("Finest", f"Where the first band ends, about. {SIZE}", 0.1, 0.001, 10, 2)
     largest: float = _size(
         "Largest",
-        f"Where the last band ends. {SIZE}. What is larger stays in the rest",
-        64,
-        0.01,
-        1000,
-        1,
-    )
+        f"Where the last band ends. {SIZE}. What is larger stays in the rest", 64, 0.01, 1000, 1
+    )  # fmt: skip
     exact: bool = switch(
         "Exact",
         "Follow Total Variation exactly: spots fade in a straight line until they are gone. Slower",

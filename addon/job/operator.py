@@ -26,6 +26,8 @@ REFUSALS = (spectral_tv.MeshError, Refusal, MemoryError)
 class SpectralTVWindowManager(bpy.types.PropertyGroup):
     """What the running job shows."""
 
+    owner = bpy.types.WindowManager, "spectral_tv"
+
     progress: FloatProperty(name="Progress", min=0, max=1, subtype="FACTOR")
 
 
@@ -261,6 +263,3 @@ class SPECTRAL_TV_OT_cancel(bpy.types.Operator):
         jobs.finish()
         redraw_sidebars(context)
         return {"FINISHED"}
-
-
-CLASSES = (SPECTRAL_TV_OT_cancel,)

@@ -39,6 +39,3 @@ class SPECTRAL_TV_OT_select_faulty(ChangeOperator, bpy.types.Operator):
         count = len(fault.vertices)
         vertices = "1 vertex" if count == 1 else f"{count} vertices"
         return f"{vertices} selected"
-
-
-CLASSES = (SPECTRAL_TV_OT_select_faulty,)

@@ -43,6 +43,9 @@ class SpectralTVSample(bpy.types.PropertyGroup):
 class SpectralTVRecord(bpy.types.PropertyGroup):
     """The last decomposition of a mesh."""
 
+    # Of 0.1.0; today a mark of the block, see keeping.
+    owner = bpy.types.Key, "spectral_tv", "LIBRARY_OVERRIDABLE"
+
     identifier: StringProperty(name="Identifier", description="Of the flow, while it is in memory")
     kept: StringProperty(name="Kept", description="Where the bands are", default="KEYS")
     method: StringProperty(name="Method")
@@ -58,9 +61,6 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     )
     bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
     spectrum: CollectionProperty(type=SpectralTVSample)
-
-
-CLASSES = (SpectralTVBand, SpectralTVSample, SpectralTVRecord)
 
 
 def record_of(obj: bpy.types.Object | None) -> SpectralTVRecord | None:

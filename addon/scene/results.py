@@ -41,6 +41,8 @@ class SpectralTVResult(Fingerprint, bpy.types.PropertyGroup):
 class SpectralTVMesh(bpy.types.PropertyGroup):
     """What a mesh remembers of what was written on it and of it."""
 
+    owner = bpy.types.Mesh, "spectral_tv", "LIBRARY_OVERRIDABLE"
+
     decomposition: PointerProperty(type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"})
     results: CollectionProperty(type=SpectralTVResult)
     table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
@@ -235,6 +237,3 @@ def _remember(
         each.kind, each.source, each.label = kind, source, label
         each.written = pieces[label].written
         each.take(obj, each.written, name)
-
-
-CLASSES = (SpectralTVResult, SpectralTVDocument, SpectralTVMesh)

@@ -50,6 +50,3 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationChoices, bpy.types.Opera
                     segments.write(obj, surface.to_vertices(labels), self.segments, self.outputs)
         written = len(objects) - objects.count(None)
         return f"{self.segments} parts in {written} meshes{skipped}"
-
-
-CLASSES = (SPECTRAL_TV_OT_cosegment,)

@@ -25,6 +25,3 @@ class SPECTRAL_TV_PT_segment(MeshPanel, bpy.types.Panel):
         settings = Settings(method=METHOD.upper(), steps=choices.steps)
         draw_selection(layout, context, "parts", partial(of_meshes, settings))
         draw_button(layout, SPECTRAL_TV_OT_cosegment, "COLOR", choices)
-
-
-CLASSES = (SPECTRAL_TV_PT_segment,)

@@ -17,11 +17,8 @@ class Settings:
     steps: int = integer(
         "Steps",
         "Number of time steps of the flow. More steps find the same parts in more different poses",
-        48,
-        4,
-        1000,
-        place="parts",
-    )
+        48, 4, 1000, place="parts"
+    )  # fmt: skip
     seed: int = integer("Seed", "Of the random starts", 0, 0, None)
     outputs: frozenset[str] = several(
         "Write", "How the parts are written", OUTPUTS, ("COLOR", "GROUPS"), place="outputs"
@@ -34,5 +31,4 @@ SegmentationChoices = choices_of(Settings)
 class SpectralTVSegmentation(SegmentationChoices, bpy.types.PropertyGroup):
     """The choices in the sidebar, kept with the scene."""
 
-
-CLASSES = (SpectralTVSegmentation,)
+    owner = bpy.types.Scene, "spectral_tv_segmentation"
