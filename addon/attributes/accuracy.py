@@ -1,4 +1,4 @@
-"""The accuracy of a decomposition as a table, attributes and colours."""
+"""The accuracy of a decomposition as a table, attributes and colors."""
 
 import csv
 import io
@@ -89,8 +89,8 @@ def write(
     errors = {label: surface.to_vertices(getattr(result, name)[most]) for label, name, _ in ERRORS}
     pieces = {label: Piece("ATTRIBUTE", values, "FLOAT") for label, values in errors.items()}
     label = next(label for label, _, short in ERRORS if short == shown)
-    colours = np.column_stack([heat_map(errors[label]), np.ones(len(surface.place))])
-    pieces["Error Color"] = Piece("ATTRIBUTE", colours, "FLOAT_COLOR")
+    colors = np.column_stack([heat_map(errors[label]), np.ones(len(surface.place))])
+    pieces["Error Color"] = Piece("ATTRIBUTE", colors, "FLOAT_COLOR")
     told = table(surface, result)
     with whole(obj):
         keep_text(obj.data, "accuracy", f"{obj.name} Accuracy.csv", told)
@@ -100,7 +100,7 @@ def write(
 
 
 def heat_map(values: np.ndarray) -> np.ndarray:
-    """Colours (V, 3) of values (V,) from 0 to their largest."""
+    """Colors (V, 3) of values (V,) from 0 to their largest."""
     shares = values / max(values.max(), np.finfo(float).tiny)
     stops = np.linspace(0, 1, len(RAMP))
     return np.column_stack(

@@ -8,6 +8,7 @@ import numpy as np
 import spectral_tv
 
 from ..drawing.ink import HEIGHT, color, mask
+from ..scene.arrays import numbers
 from ..scene.documents import keep_image, keep_text
 from ..scene.objects import Refusal
 from ..scene.results import written_names
@@ -49,8 +50,7 @@ def parts(obj: bpy.types.Object, kind: str, chosen: str) -> dict[str, np.ndarray
     Raises Refusal if there is none.
     """
     if kind == "VERTICES":
-        selected = np.empty(len(obj.data.vertices), dtype=bool)
-        obj.data.vertices.foreach_get("select", selected)
+        selected = numbers(obj.data.vertices, "select", dtype=bool)
         vertices = np.flatnonzero(selected)
         if not 0 < len(vertices) <= MOST_VERTICES:
             raise Refusal(f"select 1 to {MOST_VERTICES} vertices, not {len(vertices)}")

@@ -11,8 +11,8 @@ import bpy
 
 from ..files import stl
 from ..files.checks import check
-from ..files.checks.torn import require
 from ..files.room import with_room
+from ..files.torn import require
 from ..scene.animation import curves_of
 from ..scene.objects import Refusal
 from . import finish_obj, finish_ply

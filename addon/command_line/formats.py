@@ -8,7 +8,7 @@ import bpy
 
 # What files hold besides the shape, and what the user calls it.
 KINDS = {
-    "colours": "vertex colors",
+    "colors": "vertex colors",
     "uvs": "UV maps",
     "materials": "materials",
     "textures": "textures",

@@ -8,7 +8,7 @@ from .contents import Thing
 from .formats import APPLIED, BLEND, FORMATS, HOLDS, KINDS, NO, ONE, a
 
 # Kinds of which users want to know which ones.
-NAMED = ("colours", "uvs", "attributes", "groups", "keys", "armatures", "others", "curves")
+NAMED = ("colors", "uvs", "attributes", "groups", "keys", "armatures", "others", "curves")
 
 
 def tell_losses(things: Sequence[Thing], suffix: str, source: str) -> None:
@@ -69,7 +69,7 @@ def _polygons(things: Sequence[Thing], _suffix: str) -> str | None:
     return f"triangles alone: {_total(things)} larger polygons were split"
 
 
-def _colours(things: Sequence[Thing], _suffix: str) -> str | None:
+def _colors(things: Sequence[Thing], _suffix: str) -> str | None:
     wide = [thing for thing in things if thing.detail == "FLOAT_COLOR"]
     return f"vertex colors with 8 bits: {_names(wide)} lost digits" if wide else None
 
@@ -125,7 +125,7 @@ def _texts(things: Sequence[Thing], _suffix: str) -> str | None:
 PARTS: dict[tuple[str, str], Callable[[Sequence[Thing], str], str | None]] = {
     ("objects", NO): _objects,
     ("polygons", NO): _polygons,
-    ("colours", "8 bits"): _colours,
+    ("colors", "8 bits"): _colors,
     ("materials", "names"): _materials,
     ("normals", "per vertex"): _normals,
     ("attributes", "not of edges"): _attributes,

@@ -21,7 +21,7 @@ class Prepared:
     request: Request
 
     def bands(self, flow: spectral_tv.Flow | Still, settings: Settings) -> np.ndarray:
-        """What each band changes in the colours, (K, H, W, C)."""
+        """What each band changes in the colors, (K, H, W, C)."""
         return self.request.bands(flow, settings.bands)
 
 
@@ -87,7 +87,7 @@ def parts(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The bands (K, H, W, C) and the rest (H, W, 3), which add up to what is stored.
 
-    Of luminance the bands are grey, and the rest has the colours.
+    Of luminance the bands are grey, and the rest has the colors.
     """
     bands = np.stack(
         [prepared.pixels.stored_change(each) for each in prepared.bands(flow, settings)]

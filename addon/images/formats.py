@@ -31,18 +31,18 @@ class Format:
     # Whether one channel, with alpha too, is written as one.
     holds_grey: bool = False
     holds_grey_alpha: bool = False
-    # Whether colours are multiplied by alpha; None if the file tells.
+    # Whether colors are multiplied by alpha; None if the file tells.
     is_associated: bool | None = False
     holds_profile: bool = False
     holds_resolution: bool = False
     # By default, of formats that have one, in percent; 100 loses nothing in WebP.
     quality: int | None = None
-    # Whether colours under alpha 0 are lost.
+    # Whether colors under alpha 0 are lost.
     loses_hidden: bool = False
 
     @property
     def is_linear(self) -> bool:
-        """Whether colours in it are scene-linear by convention."""
+        """Whether colors in it are scene-linear by convention."""
         return self.name == "OPEN_EXR"
 
     def holding(self, depth: str) -> list[str]:

@@ -165,7 +165,7 @@ def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
 
 
 def _complaint_of_space(choices: argparse.Namespace) -> str | None:
-    """Complain of an unknown colour space; a known one gets the name that Blender has for it."""
+    """Complain of an unknown color space; a known one gets the name that Blender has for it."""
     if choices.colorspace is None:
         return None
     known = {name.casefold(): name for name in colors.names()}

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from . import results
+from .arrays import numbers
 from .contents import digest, topology_digest
 from .coordinates import coordinates
 from .notes import note
@@ -115,8 +116,7 @@ def _check(name: str, key: str, basis: bpy.types.Mesh, other: bpy.types.Mesh) ->
 
 
 def _connections(mesh: bpy.types.Mesh) -> str:
-    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
-    mesh.edges.foreach_get("vertices", edges)
+    edges = numbers(mesh.edges, "vertices", 2)
     return topology_digest(mesh) + digest(edges)
 
 

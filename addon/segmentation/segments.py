@@ -1,4 +1,4 @@
-"""Writing the parts of a mesh: vertex groups, face sets and colours."""
+"""Writing the parts of a mesh: vertex groups, face sets and colors."""
 
 import colorsys
 
@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from ..scene import results
+from ..scene.arrays import corner_vertices, polygon_starts
 from ..scene.contents import attribute_values
 from ..scene.names import free_name, taken_names
 from ..scene.notes import note
@@ -56,7 +57,7 @@ def write(obj: bpy.types.Object, labels: np.ndarray, segments: int, outputs: set
 
 
 def color(label: int) -> tuple[float, float, float]:
-    """The colour of a part."""
+    """The color of a part."""
     return colorsys.hsv_to_rgb((0.02 + GOLDEN * label) % 1, 0.65, 0.85 if label % 2 else 0.7)
 
 
@@ -64,10 +65,8 @@ def _write_face_sets(obj: bpy.types.Object, labels: np.ndarray) -> None:
     """Write them over those that are there, which are kept elsewhere if they are the user's."""
     mesh = obj.data
     # Faces across a border go to the smaller, hence more special part: the higher label.
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    starts = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    mesh.polygons.foreach_get("loop_start", starts)
+    corners = corner_vertices(mesh)
+    starts = polygon_starts(mesh)
     order = np.argsort(starts)
     faces = np.empty(len(starts), dtype=np.int32)
     faces[order] = np.maximum.reduceat(labels[corners], starts[order])

@@ -28,7 +28,7 @@ def stored(image: bpy.types.Image) -> np.ndarray:
 
 
 def discs(is_float: bool, name: str = "Photo") -> bpy.types.Image:
-    """A large and a small disc of different colours on grey, half transparent on the left."""
+    """A large and a small disc of different colors on grey, half transparent on the left."""
     width, height = SIDE
     y, x = np.mgrid[:height, :width]
     pixels = np.full((height, width, 4), 0.25, dtype=np.float32)

@@ -7,8 +7,8 @@ import struct
 from collections.abc import Callable
 from pathlib import Path
 
+from ..torn import Torn
 from . import pictures, scenes, shapes
-from .torn import Torn
 
 CHECKS: dict[str, Callable[[Path], None]] = {
     ".ply": shapes.ply,

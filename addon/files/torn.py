@@ -1,4 +1,4 @@
-"""What a file that was cut short is, and reading parts of it."""
+"""What a file that was cut short is, and reading parts of files."""
 
 import struct
 from pathlib import Path
@@ -28,3 +28,11 @@ def last(path: Path, count: int) -> bytes:
     with path.open("rb") as file:
         file.seek(max(path.stat().st_size - count, 0))
         return file.read()
+
+
+def number(word: bytes) -> float:
+    """A number in a text; NaN for what is none."""
+    try:
+        return float(word)
+    except ValueError:
+        return float("nan")
