@@ -63,22 +63,12 @@ def summary(text: str) -> list[tuple[str, str, str]]:
     for row in rows:
         bands = [float(value) for name, value in row.items() if name.startswith("Band ")]
         all_pass = float(row["Paper's All-Pass Error"])
-        short.append(
-            (
-                row["Steps"],
-                f"{sum(bands) / len(bands):.2g} %",
-                f"{all_pass:.2g} %",
-            )
-        )
+        short.append((row["Steps"], f"{sum(bands) / len(bands):.2g} %", f"{all_pass:.2g} %"))
     return short
 
 
 def write(
-    obj: bpy.types.Object,
-    method: str,
-    surface: Surface,
-    result: spectral_tv.Accuracy,
-    shown: str,
+    obj: bpy.types.Object, method: str, surface: Surface, result: spectral_tv.Accuracy, shown: str
 ) -> list[str]:
     """Write the errors of the most steps as attributes, in the unit of the scene; name them.
 

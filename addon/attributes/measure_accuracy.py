@@ -31,18 +31,15 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
     working = "Measuring the accuracy on"
 
     shown: EnumProperty(
-        name="Color",
-        description="Which error is shown in color",
-        items=[(short, label, "") for label, _, short in accuracy.ERRORS],
-        default="BANDS",
-    )
+        name="Color", description="Which error is shown in color",
+        items=[(short, label, "") for label, _, short in accuracy.ERRORS], default="BANDS"
+    )  # fmt: skip
 
     of_bands: BoolProperty(
         name="Of the Bands",
         description="Measure by the settings that the object's bands were made by, whatever the "
-        "others say",
-        options={"SKIP_SAVE"},
-    )
+        "others say", options={"SKIP_SAVE"}
+    )  # fmt: skip
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         if self.of_bands:

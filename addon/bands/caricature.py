@@ -95,10 +95,7 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
         )
 
     def write(
-        self,
-        _obj: bpy.types.Object,
-        prepared: list[Pose],
-        result: list[spectral_tv.Decomposition],
+        self, _obj: bpy.types.Object, prepared: list[Pose], result: list[spectral_tv.Decomposition]
     ) -> str:
         values = caricature_values(self.bands, self.first, self.last, self.amount, self.smooth)
         if not any(values):

@@ -56,12 +56,9 @@ class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
     first: IntProperty(name="First Band", description="1 is the finest", default=3, min=1)
     last: IntProperty(name="Last Band", description="1 is the finest", default=3, min=1)
     amount: FloatProperty(
-        name="Amount",
-        description="How much is added to the chosen bands: 1 doubles them",
-        default=1,
-        soft_min=-1,
-        soft_max=4,
-    )
+        name="Amount", description="How much is added to the chosen bands: 1 doubles them",
+        default=1, soft_min=-1, soft_max=4
+    )  # fmt: skip
 
     @classmethod
     def description(cls, _context, properties) -> str:

@@ -127,10 +127,7 @@ def _ensure_alike(
 
 
 def _play(
-    obj: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    frames: Sequence[int],
-    shapes: Sequence[np.ndarray],
+    obj: bpy.types.Object, mesh: bpy.types.Mesh, frames: Sequence[int], shapes: Sequence[np.ndarray]
 ) -> None:
     """Give ``obj`` a mesh that plays shapes, flat arrays of coordinates, one in each frame."""
     mesh.vertices.foreach_set("co", shapes[0])

@@ -26,10 +26,9 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
     frame_end: IntProperty(name="End", description="Last frame", default=40)
     step: IntProperty(
         name="Step",
-        description="Frames from one key to the next; the last frame always has one",
-        default=1,
-        min=1,
-    )
+        description="Frames from one key to the next; the last frame always has one", default=1,
+        min=1
+    )  # fmt: skip
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:

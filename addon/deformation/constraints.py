@@ -82,17 +82,14 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
         name="Kind", description="Where the vertices go", items=KINDS, update=_changed
     )
     target: PointerProperty(
-        type=bpy.types.Object,
-        name="Object",
+        type=bpy.types.Object, name="Object",
         description="The object that the vertices follow, from where it is now",
-        update=_followed_changed,
-        poll=_can_be_followed,
-    )
+        update=_followed_changed, poll=_can_be_followed
+    )  # fmt: skip
     bone: StringProperty(
-        name="Bone",
-        description="The bone that the vertices follow, from where it is now",
-        update=_followed_changed,
-    )
+        name="Bone", description="The bone that the vertices follow, from where it is now",
+        update=_followed_changed
+    )  # fmt: skip
     shape_key: StringProperty(
         name="Shape Key", description="The shape key that says where the vertices go"
     )
@@ -196,9 +193,8 @@ class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyG
     bake_step: IntProperty(
         name="Step",
         description="Frames from one baked shape key to the next; the last frame always has one",
-        default=1,
-        min=1,
-    )
+        default=1, min=1
+    )  # fmt: skip
     baked: CollectionProperty(type=SpectralTVBakedKey)
 
 

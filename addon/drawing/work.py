@@ -75,10 +75,7 @@ def draw_needs(layout: bpy.types.UILayout, context: bpy.types.Context, needs: Ne
 
 
 def draw_selection(
-    layout: bpy.types.UILayout,
-    context: bpy.types.Context,
-    shared: str,
-    needs: Callable[..., Needs],
+    layout: bpy.types.UILayout, context: bpy.types.Context, shared: str, needs: Callable[..., Needs]
 ) -> None:
     """Draw that all selected meshes get the same of something, and what that needs.
 

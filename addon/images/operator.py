@@ -21,10 +21,9 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator)
     working = "Flowing"
 
     image: StringProperty(
-        name="Image",
-        description="Name of the image; the one in the Image Editor if left empty",
-        options={"SKIP_SAVE"},
-    )
+        name="Image", description="Name of the image; the one in the Image Editor if left empty",
+        options={"SKIP_SAVE"}
+    )  # fmt: skip
 
     @classmethod
     def subject(cls, context: bpy.types.Context) -> bpy.types.Image | None:

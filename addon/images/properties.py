@@ -27,8 +27,7 @@ class SpectralTVImage(bpy.types.PropertyGroup):
     owner = bpy.types.Image, "spectral_tv"
 
     source: PointerProperty(
-        type=bpy.types.Image,
-        name="Source",
-        description="What this is a band or a filter of; filtering again starts from there",
-    )
+        type=bpy.types.Image, name="Source",
+        description="What this is a band or a filter of; filtering again starts from there"
+    )  # fmt: skip
     label: StringProperty(name="Label", description="What it is of its source")

@@ -47,10 +47,7 @@ def source_of(image: bpy.types.Image) -> bpy.types.Image | None:
 
 
 def write(
-    source: bpy.types.Image,
-    prepared: Prepared,
-    settings: Settings,
-    flow: spectral_tv.Flow | Still,
+    source: bpy.types.Image, prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
 ) -> list[str]:
     """Write what was chosen as images beside the source; returns their names."""
     if settings.result == "BANDS":

@@ -7,13 +7,7 @@ after keys were renamed, reordered or sculpted, and no other key is taken for on
 import uuid
 
 import bpy
-from bpy.props import (
-    BoolProperty,
-    CollectionProperty,
-    FloatProperty,
-    IntProperty,
-    StringProperty,
-)
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
 from .contents import topology_digest
 from .fingerprints import Fingerprint, Likeness, digests, recognise
@@ -27,10 +21,9 @@ class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
     start: FloatProperty(name="Start", description="Time at which the band starts, length²")
     end: FloatProperty(name="End", description="Time at which the band ends, length²")
     was_muted: BoolProperty(
-        name="Was Muted",
-        description="Before another band was soloed",
-        override={"LIBRARY_OVERRIDABLE"},
-    )
+        name="Was Muted", description="Before another band was soloed",
+        override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
 
 
 class SpectralTVSample(bpy.types.PropertyGroup):
@@ -55,10 +48,9 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     vertex_count: IntProperty(name="Vertices")
     corner_count: IntProperty(name="Face Corners")
     solo: IntProperty(
-        name="Solo",
-        description="The band that is heard alone, from 1; 0 if none is",
-        override={"LIBRARY_OVERRIDABLE"},
-    )
+        name="Solo", description="The band that is heard alone, from 1; 0 if none is",
+        override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
     bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
     spectrum: CollectionProperty(type=SpectralTVSample)
 
