@@ -19,15 +19,8 @@ def epilog(examples: str) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> None:
     """Declare the arguments; ``verb`` is what is done to objects, ``result`` what they are then."""
+    add_places(parser, "a file that Blender imports", "the file", "glb", is_required=False)
     add = parser.add_argument
-    add("inputs", metavar="INPUT", nargs="+", type=_path, help="a file that Blender imports")
-    add("-o", "--output", type=target_path, help="the file to write, or a folder that exists")
-    add(
-        "--format",
-        metavar="SUFFIX",
-        type=lambda text: "." + text.lower().lstrip("."),
-        help="what to write into the folder, such as glb; as the input if not given",
-    )
     add(
         "--render",
         metavar="PICTURE",
@@ -43,6 +36,27 @@ def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> No
         "nothing else",
     )
     add_report(parser)
+
+
+def add_places(
+    parser: argparse.ArgumentParser, read: str, written: str, suffix: str, *, is_required: bool
+) -> None:
+    """Declare what is read and where the result goes, in words, with a suffix as an example."""
+    add = parser.add_argument
+    add("inputs", metavar="INPUT", nargs="+", type=_path, help=read)
+    add(
+        "-o",
+        "--output",
+        type=target_path,
+        required=is_required,
+        help=f"{written} to write, or a folder that exists",
+    )
+    add(
+        "--format",
+        metavar="SUFFIX",
+        type=lambda text: "." + text.lower().lstrip("."),
+        help=f"what to write into the folder, such as {suffix}; as the input if not given",
+    )
 
 
 def add_report(parser: argparse.ArgumentParser) -> None:

@@ -9,11 +9,11 @@ import bpy
 from ..bands.gain_arguments import add_gains, band_values, complaint_of_gains
 from ..command_line.arguments import (
     EXIT_CODES,
+    add_places,
     add_report,
     complaint_of_clashes,
     ensure_file,
     is_folder,
-    target_path,
 )
 from ..command_line.progress import progress, say
 from ..command_line.report import Entry
@@ -63,22 +63,8 @@ the color space of the input, as far as its format has them; only .exr gets scen
             epilog=f"writes: {WRITES}\n\nexamples:\n{self.examples}\n\n{EXIT_CODES}",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
+        add_places(parser, "a picture that Blender reads", "the picture", "png", is_required=True)
         add = parser.add_argument
-        add("inputs", metavar="INPUT", nargs="+", type=Path, help="a picture that Blender reads")
-        add(
-            "-o",
-            "--output",
-            metavar="OUTPUT",
-            type=target_path,
-            required=True,
-            help="the picture to write, or a folder that exists",
-        )
-        add(
-            "--format",
-            metavar="SUFFIX",
-            type=lambda text: "." + text.lower().lstrip("."),
-            help="what to write into the folder, such as png; as the input if not given",
-        )
         add(
             "--depth",
             choices=DEPTHS,

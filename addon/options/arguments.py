@@ -8,6 +8,9 @@ import numpy as np
 
 from .declaring import Option, in_force, options_of
 
+# What stands for no end of a range.
+FAR, MANY = (-1e9, 1e9), 1 << 30
+
 
 def add_arguments(parser: argparse.ArgumentParser, kind: type, *, of_object: bool = False) -> None:
     """Declare the options of a dataclass; if ``of_object``, what is not given is the object's."""
@@ -106,7 +109,7 @@ def percent(text: str, least: float = 0.01) -> float:
 def _type(option: Option) -> dict[str, Any]:
     """How the text of an argument is read, and what stands for it in the help."""
     if option.kind == "integer":
-        return {"type": whole(option.least, option.most), "metavar": "N"}
+        return {"type": whole(option.least, option.most or MANY), "metavar": "N"}
     if option.kind == "share" and option.metavar:  # a fraction here too
         least, most = option.least / 100, option.most / 100
         return {"type": lambda text: number(text, least, most), "metavar": option.metavar}
@@ -114,8 +117,11 @@ def _type(option: Option) -> dict[str, Any]:
         return {"type": lambda text: percent(text) / 100, "metavar": "PERCENT"}
     if option.kind == "number" and option.unit == "PIXEL":
         return {"type": positive, "metavar": "PIXELS"}
-    if option.kind == "number":
+    if option.kind == "number" and option.unit == "PERCENTAGE":
         return {"type": lambda text: percent(text, 0), "metavar": "PERCENT"}
+    if option.kind == "number":
+        ends = [end if each is None else each for each, end in zip(option.range, FAR, strict=True)]
+        return {"type": lambda text: number(text, *ends), "metavar": "X"}
     if option.kind == "name":
         return {"metavar": "NAME"}
     if option.kind == "choice" and option.other[0]:

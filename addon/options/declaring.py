@@ -68,6 +68,11 @@ class Option:
         return all(condition.holds(settings) for condition in self.applies)
 
     @property
+    def range(self) -> tuple[Any, Any]:
+        """The least and the most that it can be; None is no end."""
+        return self.least, self.most
+
+    @property
     def names(self) -> list[str]:
         """The values of a choice."""
         return [item[0] for item in self.items if item[0]]
@@ -119,8 +124,10 @@ def choice(
 def several(
     label: str, text: str, items: Iterable[tuple[Any, ...]], default: Iterable[str], **more: Any
 ) -> Any:
-    """Some of several."""
-    return _option("several", label, text, frozenset(default), items=tuple(items), **more)
+    """Some of several; the command line has none such."""
+    return _option(
+        "several", label, text, frozenset(default), items=tuple(items), argument="", **more
+    )
 
 
 def name_of(label: str, text: str, default: str = "", **more: Any) -> Any:
