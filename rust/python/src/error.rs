@@ -4,7 +4,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyMemoryError, PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use spectral_tv::Error;
+use spectral_tv::{ArgumentError, Error};
 
 create_exception!(
     spectral_tv,
@@ -31,8 +31,24 @@ create_exception!(
 /// An [`Error`] of the mathematics on its way to Python; bindings use `?` with it.
 pub struct Failure(PyErr);
 
+/// What the library calls an argument, and what the package does.
+const NAMES: [(&str, &str); 3] = [
+    ("base.time", "base_time"),
+    ("duration", "time"),
+    ("set", "members"),
+];
+
+/// The refusal of an argument that only the package knows.
+pub fn refused(message: impl Into<String>) -> Failure {
+    Failure(MeshError::new_err(message.into()))
+}
+
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
+        let error = match error {
+            Error::Argument(argument) => Error::Argument(renamed(argument)),
+            error => error,
+        };
         let message = error.to_string();
         Self(match &error {
             Error::Cancelled => Cancelled::new_err(message),
@@ -40,6 +56,18 @@ impl From<Error> for Failure {
             Error::Solver(_) => PyRuntimeError::new_err(message),
             _ => mesh_error(&error),
         })
+    }
+}
+
+/// The error, with the package's name of the argument.
+fn renamed(error: ArgumentError) -> ArgumentError {
+    let name = NAMES.iter().find(|(name, _)| *name == error.argument);
+    match name {
+        Some(&(_, argument)) => ArgumentError {
+            argument: argument.into(),
+            ..error
+        },
+        None => error,
     }
 }
 

@@ -5,16 +5,16 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use spectral_tv::flow::{Increment, Trajectory};
+use spectral_tv::memory;
 use spectral_tv::memory::needs;
 use spectral_tv::monitor::Stage;
 use spectral_tv::spectral::{SpectralTransform, even_edges};
-use spectral_tv::{Error, memory};
 
 use crate::arrays;
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::job::{Task, guarded};
 use crate::parameters;
-use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
+use crate::pickling::{Parts, Pickled, Writer};
 use crate::settings::gains as parse_gains;
 
 /// A flow sampled at N + 1 times, made by `flow` or `decompose_image`, or found in
@@ -238,20 +238,6 @@ impl Flow {
         })
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
-        reduced(py, self)
-    }
-
-    /// The flow itself: nothing can change it.
-    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
-        this
-    }
-
-    /// The flow itself.
-    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
-        this
-    }
-
     fn __repr__(&self) -> String {
         let trajectory = self.transform.trajectory();
         format!(
@@ -308,7 +294,7 @@ impl Pickled for Flow {
             )),
             false => {
                 let message = "the parts of the flow have shapes that do not go together";
-                Err(Error::Argument(message.into()).into())
+                Err(refused(message))
             }
         }
     }
@@ -344,7 +330,7 @@ pub fn read_trajectory(parts: &Parts<'_>) -> Result<Trajectory, Failure> {
     let written: Vec<Bound<'_, PyAny>> = parts.value("increments")?;
     if units.len() != written.len() {
         let message = "the parts of the flow have numbers that do not go together";
-        return Err(Error::Argument(message.into()).into());
+        return Err(refused(message));
     }
     let mut increments = memory::vector(written.len(), "a flow", "free some memory")?;
     for (written, &unit) in written.iter().zip(&units) {

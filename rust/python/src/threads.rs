@@ -11,9 +11,8 @@ use std::{env, mem, process, thread};
 
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use spectral_tv::Error;
 
-use crate::error::Failure;
+use crate::error::{Failure, refused};
 use crate::parameters;
 
 /// The package's own variable, and that of the library it shares work by.
@@ -100,10 +99,9 @@ fn checked(name: &str, count: Option<usize>) -> Result<usize, Failure> {
 
 fn refusal(name: &str, found: &str) -> Failure {
     let most = rayon::max_num_threads();
-    Error::Argument(format!(
+    refused(format!(
         "{name} must be a number of threads, from 1 to {most}, not {found}"
     ))
-    .into()
 }
 
 /// Does long `work` on threads of its own. In a pool that works share, a thread that waits for a

@@ -22,9 +22,11 @@ pub mod mesh;
 pub mod method;
 pub mod minimization;
 pub mod monitor;
+mod named;
 pub mod operators;
 pub mod segmentation;
 pub mod solver;
 pub mod spectral;
 
-pub use error::{Error, Result};
+pub use error::{ArgumentError, Error, Fault, Result};
+pub use named::Named;

@@ -5,7 +5,7 @@ use ndarray::Array2;
 
 use crate::deformation::enclosing_ball::enclosing_ball;
 use crate::deformation::floating::Floating;
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Fault, Result, has_usable_size};
 use crate::mesh::TriangleMesh;
 use crate::operators::invertible_masses;
 
@@ -76,10 +76,11 @@ impl Constraints {
             is_constrained[vertex] = true;
         }
         if fixed.iter().all(|&fixed| fixed) {
-            return Err(Error::Argument(
-                "every vertex that could move is constrained exactly; nothing is left to deform"
-                    .into(),
-            ));
+            return Err(ArgumentError::empty(
+                "indices",
+                "every vertex that could move is constrained exactly; nothing is left to deform",
+            )
+            .into());
         }
         let size = mesh.area().sqrt();
         let areas = invertible_masses(mesh.vertex_areas());
@@ -170,27 +171,37 @@ impl Constraints {
 
     fn check(&self, positions: &[[f64; 3]]) -> Result<()> {
         if positions.len() != self.vertices.len() {
-            return Err(Error::Argument(format!(
-                "there must be one target per constrained vertex ({}), not {}",
-                self.vertices.len(),
-                positions.len()
-            )));
+            return Err(ArgumentError::value(
+                "targets",
+                format!(
+                    "must be one target per constrained vertex ({})",
+                    self.vertices.len()
+                ),
+                positions.len(),
+            )
+            .called("there")
+            .into());
         }
         let mut first = vec![None; self.fixed.len()];
         for (entry, (&vertex, target)) in self.vertices.iter().zip(positions).enumerate() {
             if !target.iter().all(|&x| has_usable_size(x)) {
-                return Err(Error::Argument(format!(
-                    "the target of vertex {vertex} is not finite, or beyond 1e100: {target:?}"
-                )));
+                return Err(
+                    ArgumentError::non_finite(format!("targets[{entry}]"), target)
+                        .called(format!("the target of vertex {vertex}"))
+                        .into(),
+                );
             }
             if self.firmness[entry].is_finite() {
                 continue;
             }
             let other: &[f64; 3] = first[vertex].get_or_insert(target);
             if (0..3).any(|axis| (other[axis] - target[axis]).abs() > self.closeness) {
-                return Err(Error::Argument(format!(
-                    "vertex {vertex} has two exact targets, {other:?} and {target:?}"
-                )));
+                return Err(ArgumentError::contradiction(
+                    format!("targets[{entry}]"),
+                    &["indices", "weights"],
+                    format!("vertex {vertex} has two exact targets, {other:?} and {target:?}"),
+                )
+                .into());
             }
         }
         Ok(())
@@ -199,33 +210,43 @@ impl Constraints {
 
 fn checked_indices(indices: &[i64], vertex_count: usize) -> Result<Vec<usize>> {
     if indices.is_empty() {
-        return Err(Error::Argument("there are no constraints".into()));
+        return Err(ArgumentError::empty("indices", "there are no constraints").into());
     }
-    let checked = indices.iter().map(|&index| match usize::try_from(index) {
+    let check = |(entry, &index): (usize, &i64)| match usize::try_from(index) {
         Ok(vertex) if vertex < vertex_count => Ok(vertex),
-        _ => Err(Error::Argument(format!(
-            "a constraint refers to vertex {index}, but the vertices are 0 to {}",
-            vertex_count - 1
-        ))),
-    });
-    checked.collect()
+        _ => {
+            let last = vertex_count - 1;
+            let fault = Fault::OutOfRange { index, last };
+            Err(ArgumentError::new(format!("indices[{entry}]"), fault)
+                .called("a constraint")
+                .into())
+        }
+    };
+    indices.iter().enumerate().map(check).collect()
 }
 
 fn firmness(weights: &[f64], indices: &[i64]) -> Result<Vec<f64>> {
     if weights.len() != indices.len() {
-        return Err(Error::Argument(format!(
-            "there must be one weight per constrained vertex ({}), not {}",
-            indices.len(),
-            weights.len()
-        )));
+        return Err(ArgumentError::value(
+            "weights",
+            format!(
+                "must be one weight per constrained vertex ({})",
+                indices.len()
+            ),
+            weights.len(),
+        )
+        .called("there")
+        .into());
     }
-    let checked = weights.iter().zip(indices).map(|(&weight, vertex)| {
+    let check = |(entry, (&weight, vertex)): (usize, (&f64, &i64))| {
         if weight > 0.0 && weight <= 1.0 {
             Ok(weight / (1.0 - weight)) // infinite for 1
         } else {
-            let message = format!("the weight of vertex {vertex} must be in (0, 1], not {weight}");
-            Err(Error::Argument(message))
+            let name = format!("weights[{entry}]");
+            Err(ArgumentError::value(name, "must be in (0, 1]", weight)
+                .called(format!("the weight of vertex {vertex}"))
+                .into())
         }
-    });
-    checked.collect()
+    };
+    weights.iter().zip(indices).enumerate().map(check).collect()
 }

@@ -8,20 +8,22 @@ use crate::deformation::deformer::{Deformer, require};
 use crate::deformation::problem::Problem;
 use crate::deformation::quadratic::{biharmonic, harmonic};
 use crate::deformation::reweighted::reweighted;
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
 use crate::monitor::Stage;
+use crate::named::named;
 use crate::operators::{Discretization, positions, total_variation};
 
 /// ε of the dual field that certifies a displacement, relative to its mean gradient.
 const CERTIFICATE_SMOOTHING: f64 = 1e-3;
 
 /// How a deformation is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Algorithm {
     /// The convex problem itself: least TV(d), to a duality gap.
+    #[default]
     Convex,
     /// Algorithm 1 of Brokman et al. 2024: reweighted least squares of the subgradient.
     Paper,
@@ -33,6 +35,16 @@ pub enum Algorithm {
     AsRigidAsPossible,
 }
 
+named!(
+    Algorithm,
+    "algorithm",
+    Convex = "convex",
+    Paper = "paper",
+    Harmonic = "harmonic",
+    Biharmonic = "biharmonic",
+    AsRigidAsPossible = "arap",
+);
+
 /// How to deform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -43,6 +55,16 @@ pub struct Settings {
     /// Relative duality gap of the convex algorithm; for the iterative others, the movement of a
     /// vertex at which they end, relative to the spread of the displacements asked for.
     pub tolerance: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            algorithm: Algorithm::default(),
+            softness: 0.0,
+            tolerance: 1e-3,
+        }
+    }
 }
 
 /// A displacement that meets constraints.
@@ -63,7 +85,7 @@ pub struct Deformation {
 /// # Errors
 /// If the targets do not fit the constraints (their number; finite; no two for one vertex), the
 /// tolerance is not in (0, 1), softness is negative or goes with another algorithm than the
-/// convex one, a system cannot be solved; or [`Error::Cancelled`].
+/// convex one, a system cannot be solved; or [`crate::Error::Cancelled`].
 pub fn deform(
     mesh: &TriangleMesh,
     constraints: Constraints,
@@ -82,9 +104,11 @@ pub fn deform(
         return deformer.solve(targets, tolerance, stage);
     }
     if softness != 0.0 {
-        return Err(Error::Argument(
-            "softness is for the convex algorithm only".into(),
-        ));
+        return Err(ArgumentError::inapplicable(
+            "softness",
+            "softness is for the convex algorithm only",
+        )
+        .into());
     }
     let needed = needs::deformation_for_comparison(needs::Size::of(mesh));
     require(needed, mesh, stage)?;

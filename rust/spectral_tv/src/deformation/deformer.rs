@@ -6,7 +6,7 @@ use crate::deformation::constraints::{Constraints, Targets};
 use crate::deformation::deform::{Deformation, carried};
 use crate::deformation::problem::Problem;
 use crate::deformation::span::Span;
-use crate::error::{Error, Result, has_usable_size, unusable_values};
+use crate::error::{ArgumentError, Result, has_usable_size, unusable_values};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
@@ -79,7 +79,7 @@ impl Handles {
 /// Refuses to deform `mesh` if the `needed` bytes are not available.
 ///
 /// # Errors
-/// [`Error::Memory`].
+/// [`crate::Error::Memory`].
 pub(super) fn require(needed: u64, mesh: &TriangleMesh, stage: Stage) -> Result<()> {
     let what = format!("deforming {} vertices", mesh.vertex_count());
     stage.require(needed, &what, SMALLER)
@@ -90,7 +90,8 @@ impl Deformer {
     /// 0 stretches no more than a ring of triangles.
     ///
     /// # Errors
-    /// If softness is negative or not finite, or memory does not suffice; [`Error::Cancelled`].
+    /// If softness is negative or not finite, or memory does not suffice;
+    /// [`crate::Error::Cancelled`].
     pub fn new(
         mesh: &TriangleMesh,
         constraints: Constraints,
@@ -98,9 +99,12 @@ impl Deformer {
         stage: Stage,
     ) -> Result<Self> {
         if !(softness >= 0.0 && has_usable_size(softness)) {
-            return Err(Error::Argument(format!(
-                "softness must be a length, 0 or more, not {softness:?}"
-            )));
+            return Err(ArgumentError::value(
+                "softness",
+                "must be a length, 0 or more",
+                format_args!("{softness:?}"),
+            )
+            .into());
         }
         require(needs::deformation(needs::Size::of(mesh)), mesh, stage)?;
         let operators = Discretization::new(mesh, stage)?;
@@ -129,10 +133,15 @@ impl Deformer {
     /// If it is not (3, V), or a number is not finite, or beyond 1e100.
     pub fn set_state(&mut self, state: Array2<f64>, is_at_rest: bool) -> Result<()> {
         if state.dim() != self.state.dim() || unusable_values(state.view()).is_some() {
-            return Err(Error::Argument(format!(
-                "the state of a deformer must be finite displacements of its {} vertices",
-                self.state.ncols()
-            )));
+            return Err(ArgumentError::contradiction(
+                "state",
+                &[],
+                format!(
+                    "the state of a deformer must be finite displacements of its {} vertices",
+                    self.state.ncols()
+                ),
+            )
+            .into());
         }
         (self.state, self.is_at_rest) = (state, is_at_rest);
         Ok(())
@@ -142,7 +151,7 @@ impl Deformer {
     /// relative to the energy.
     ///
     /// # Errors
-    /// As [`Self::drag`]; for a tolerance not in (0, 1); [`Error::Cancelled`], after which the
+    /// As [`Self::drag`]; for a tolerance not in (0, 1); [`crate::Error::Cancelled`], after which the
     /// deformer can go on from where it was.
     pub fn solve(
         &mut self,
@@ -192,7 +201,7 @@ impl Deformer {
     /// The optima for a sequence of targets, each starting from the one before.
     ///
     /// # Errors
-    /// As [`Self::solve`]; [`Error::Memory`] at once if all of them do not fit.
+    /// As [`Self::solve`]; [`crate::Error::Memory`] at once if all of them do not fit.
     pub fn solve_sequence(
         &mut self,
         sequence: &[Vec<[f64; 3]>],

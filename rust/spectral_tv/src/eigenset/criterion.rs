@@ -5,7 +5,7 @@ use ndarray::Array2;
 use crate::eigenset::decay::Decay;
 use crate::eigenset::perimeter::{Perimeter, mean_edge};
 use crate::eigenset::supersets::{members, supersets};
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::flow::proximal_flow;
 use crate::memory::needs;
 use crate::mesh::{TriangleMesh, connected_components};
@@ -81,11 +81,12 @@ impl EigensetTest {
 pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<EigensetTest> {
     let areas = mesh.vertex_areas();
     if set.len() != areas.len() {
-        return Err(Error::Argument(format!(
-            "members must have one value per vertex ({}), but has {}",
-            areas.len(),
-            set.len()
-        )));
+        return Err(ArgumentError::count(
+            "set",
+            format!("must have one value per vertex ({})", areas.len()),
+            set.len(),
+        )
+        .into());
     }
     let components = connected_components(mesh);
     let (inside, outside) = areas_by_component(&components, set, areas);
@@ -98,9 +99,11 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
     let area_of = |set: &[bool]| members(set).map(|v| areas[v]).sum::<f64>();
     let (area, whole) = (area_of(&set), area_of(&surface));
     if area <= 0.0 {
-        return Err(Error::Argument(
-            "the set has no boundary: every part of the mesh is wholly in it or outside".into(),
-        ));
+        return Err(ArgumentError::empty(
+            "set",
+            "the set has no boundary: every part of the mesh is wholly in it or outside",
+        )
+        .into());
     }
     let size = needs::Size::of(mesh);
     // Beside the flow, the supersets and what diffuses them.

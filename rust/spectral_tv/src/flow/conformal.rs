@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::law::Law;
 use crate::flow::recorder::check_steps;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
@@ -36,10 +36,10 @@ impl ConformalLaplace {
     /// The law on `mesh` for P = `p`, which is 1, 2 or 3.
     ///
     /// # Errors
-    /// [`Error::Argument`] for another P.
+    /// [`crate::Error::Argument`] for another P.
     pub fn new(mesh: &TriangleMesh, operators: &Discretization, p: u32) -> Result<Self> {
         if !(1..=3).contains(&p) {
-            return Err(Error::Argument(format!("p must be 1, 2 or 3, not {p}")));
+            return Err(ArgumentError::value("p", "must be 1, 2 or 3", p).into());
         }
         Ok(Self {
             exponent: p as i32 - 2,
@@ -100,9 +100,12 @@ pub fn conformal_mean_curvature_flow(
     stage: Stage,
 ) -> Result<Array2<f64>> {
     if !(duration > 0.0 && has_usable_size(duration)) {
-        return Err(Error::Argument(format!(
-            "time must be positive and at most 1e100, not {duration:?}"
-        )));
+        return Err(ArgumentError::value(
+            "duration",
+            "must be positive and at most 1e100",
+            format_args!("{duration:?}"),
+        )
+        .into());
     }
     check_steps(steps)?;
     let vertices = mesh.vertex_count();

@@ -2,7 +2,7 @@
 
 use ndarray::{Array1, Array2, Axis, Slice, aview1};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::flow::origin::{origin_of, without};
 use crate::flow::recorder::check_steps;
 use crate::flow::trajectory::Trajectory;
@@ -35,7 +35,8 @@ impl Eigenpairs {
     /// `count`, and memory for about twice as many functions.
     ///
     /// # Errors
-    /// [`Error::Argument`] if `count` is 0, [`Error::Memory`], [`Error::Solver`], [`Error::Cancelled`].
+    /// [`crate::Error::Argument`] if `count` is 0, [`crate::Error::Memory`],
+    /// [`crate::Error::Solver`], [`crate::Error::Cancelled`].
     pub fn lowest(
         mesh: &TriangleMesh,
         operators: &Discretization,
@@ -43,7 +44,7 @@ impl Eigenpairs {
         stage: Stage,
     ) -> Result<Self> {
         if count == 0 {
-            return Err(Error::Argument("eigenpairs must be at least 1".into()));
+            return Err(ArgumentError::value("eigenpairs", "must be at least 1", count).into());
         }
         let count = count.min(mesh.vertex_count());
         stage.require(

@@ -2,7 +2,7 @@
 
 use ndarray::{Array1, Array2, ArrayView2};
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::increment::{Increment, Precision};
 use crate::flow::origin::{origin_of, without};
 use crate::flow::trajectory::Trajectory;
@@ -121,37 +121,36 @@ const MOST_STEPS: usize = 1_000_000;
 /// # Errors
 /// If `steps` is 0, or beyond a million.
 pub(crate) fn check_steps(steps: usize) -> Result<()> {
-    match steps {
-        0 => Err(Error::Argument("steps must be at least 1".into())),
-        1..=MOST_STEPS => Ok(()),
-        _ => Err(Error::Argument(format!(
-            "steps must be at most {MOST_STEPS}, not {steps}"
-        ))),
-    }
+    let rule = match steps {
+        0 => "must be at least 1".to_string(),
+        1..=MOST_STEPS => return Ok(()),
+        _ => format!("must be at most {MOST_STEPS}"),
+    };
+    Err(ArgumentError::value("steps", rule, steps).into())
 }
 
 /// Refuses times that do not increase from 0.
 pub(crate) fn check_times(times: &[f64]) -> Result<()> {
     if times.len() < 2 {
-        return Err(Error::Argument(format!(
-            "times needs at least two values, 0 and an end; it has {}",
-            times.len()
-        )));
+        return Err(ArgumentError::count(
+            "times",
+            "needs at least two values, 0 and an end",
+            times.len(),
+        )
+        .into());
     }
     if times[0] != 0.0 {
-        return Err(Error::Argument(format!(
-            "times[0] must be 0, not {}",
-            times[0]
-        )));
+        return Err(ArgumentError::value("times[0]", "must be 0", times[0]).into());
     }
     for (k, pair) in times.windows(2).enumerate() {
         if !(pair[1] > pair[0] && has_usable_size(pair[1])) {
-            return Err(Error::Argument(format!(
-                "times must increase and stay below 1e100, but times[{}] is {} after {}",
+            return Err(ArgumentError::order(
+                "times",
+                "must increase and stay below 1e100",
+                times,
                 k + 1,
-                pair[1],
-                pair[0]
-            )));
+            )
+            .into());
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate};
 
-use crate::error::{Error, Result, has_usable_size, unusable_values};
+use crate::error::{ArgumentError, Result, has_usable_size, unusable_values};
 use crate::flow::increment::{Increment, Precision};
 use crate::flow::recorder::{Recorder, Solution, check_times};
 use crate::monitor::Stage;
@@ -78,7 +78,9 @@ impl Trajectory {
         let have_shapes = increments.iter().all(|step| step.dim() == dimensions);
         if !have_counts || !have_shapes || initial.is_empty() {
             let message = "the parts of the flow have numbers or shapes that do not go together";
-            return Err(Error::Argument(message.into()));
+            return Err(
+                ArgumentError::contradiction("increments", &["times", "initial"], message).into(),
+            );
         }
         let is_whole = unusable_values(initial.view()).is_none()
             && increments.iter().all(Increment::is_usable)
@@ -92,9 +94,12 @@ impl Trajectory {
                 total_variation,
                 gaps,
             }),
-            false => Err(Error::Argument(
-                "the flow has numbers that are not finite, or beyond 1e100".into(),
-            )),
+            false => Err(ArgumentError::contradiction(
+                "increments",
+                &["initial"],
+                "the flow has numbers that are not finite, or beyond 1e100",
+            )
+            .into()),
         }
     }
 
@@ -153,17 +158,20 @@ impl Trajectory {
     /// If the weights are not V values of 0 or more, or give no area at all.
     pub fn mean(&self, weights: &[f64], masses: &[f64]) -> Result<Array2<f64>> {
         if weights.len() != masses.len() {
-            return Err(Error::Argument(format!(
-                "weights must have one value per vertex ({}), but has {}",
-                masses.len(),
-                weights.len()
-            )));
+            return Err(ArgumentError::count(
+                "weights",
+                format!("must have one value per vertex ({})", masses.len()),
+                weights.len(),
+            )
+            .into());
         }
         if let Some(v) = weights.iter().position(|w| !(*w >= 0.0 && w.is_finite())) {
-            return Err(Error::Argument(format!(
-                "weights[{v}] must be 0 or more and finite, not {}",
-                weights[v]
-            )));
+            return Err(ArgumentError::value(
+                format!("weights[{v}]"),
+                "must be 0 or more and finite",
+                weights[v],
+            )
+            .into());
         }
         // Their unit makes no difference, but to what single numbers can hold.
         let largest = weights.iter().fold(0.0_f64, |max, w| max.max(*w));
@@ -171,9 +179,9 @@ impl Trajectory {
         let parts: Array1<f64> = parts.collect();
         let total = parts.sum();
         if largest == 0.0 || total <= 0.0 {
-            return Err(Error::Argument(
-                "the weights give no vertex any area".into(),
-            ));
+            return Err(
+                ArgumentError::empty("weights", "the weights give no vertex any area").into(),
+            );
         }
         let mut means = Array2::zeros((self.times.len(), self.channel_count()));
         for (mut mean, state) in means.rows_mut().into_iter().zip(self.states()) {
@@ -278,7 +286,7 @@ mod tests {
         for spoil in spoils {
             let mut parts = parts();
             spoil(&mut parts);
-            assert!(matches!(restored(parts), Err(Error::Argument(_))));
+            assert!(matches!(restored(parts), Err(crate::Error::Argument(_))));
         }
     }
 }

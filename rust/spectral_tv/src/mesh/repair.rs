@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Error, Result, has_usable_size};
 use crate::mesh::findings::{Findings, counted, counted_as, grouped};
 use crate::mesh::open_edges::open_edges;
 use crate::mesh::weld::{check_tolerance, weld};
+use crate::named::named;
 
 /// What is done to a mesh when it is read.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,6 +31,8 @@ pub enum Broken {
     /// They are dropped, with all their triangles.
     Drop,
 }
+
+named!(Broken, "broken", Refuse = "refuse", Drop = "drop");
 
 /// Where every vertex went.
 pub(super) type WeldMap = Vec<Option<u32>>;
@@ -162,10 +165,15 @@ pub(super) fn check_weld_map(map: &[Option<u32>], vertex_count: usize) -> Result
     let is_stray = |place: &Option<u32>| place.is_some_and(|place| place as usize >= vertex_count);
     match map.iter().position(is_stray) {
         None => Ok(()),
-        Some(vertex) => Err(Error::Argument(format!(
-            "the map of vertices leads from {vertex} out of the {}",
-            counted_as(vertex_count, "vertex", "vertices")
-        ))),
+        Some(vertex) => Err(ArgumentError::contradiction(
+            format!("weld_map[{vertex}]"),
+            &["vertices"],
+            format!(
+                "the map of vertices leads from {vertex} out of the {}",
+                counted_as(vertex_count, "vertex", "vertices")
+            ),
+        )
+        .into()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::flow::Trajectory;
 use crate::method::band_errors::{bands, lengths, norm};
 use crate::monitor::Stage;
@@ -70,9 +70,11 @@ pub(super) fn adapted(
         (steps, before) = (next, bands);
         next = (factor * steps as f64).ceil() as usize;
         if next > MOST_STEPS {
-            return Err(Error::Argument(format!(
-                "accuracy {accuracy} takes more than {MOST_STEPS} steps; {steps} give {error:.1e}"
-            )));
+            return Err(ArgumentError::contradiction(
+                "accuracy",
+                &[],
+                format!("accuracy {accuracy} takes more than {MOST_STEPS} steps; {steps} give {error:.1e}"),
+            ).into());
         }
     }
 }
@@ -111,7 +113,10 @@ pub fn check_accuracy(accuracy: f64) -> Result<()> {
     if accuracy > 0.0 && accuracy.is_finite() {
         return Ok(());
     }
-    Err(Error::Argument(format!(
-        "accuracy must be above 0, the relative error of bands, not {accuracy:?}"
-    )))
+    Err(ArgumentError::value(
+        "accuracy",
+        "must be above 0, the relative error of bands",
+        format_args!("{accuracy:?}"),
+    )
+    .into())
 }

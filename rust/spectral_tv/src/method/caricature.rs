@@ -2,11 +2,11 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::requirements::decomposition_memory_of;
-use crate::method::{Settings, decompose};
+use crate::method::{Settings, decompose_with};
 use crate::monitor::Stage;
 
 /// The filter: H = 0 below `smooth`, `gain` from `from` to `to`, 1 elsewhere. Times are relative to
@@ -38,23 +38,29 @@ impl Exaggeration {
 
     fn check(&self) -> Result<()> {
         if !(0.0 <= self.from && self.from < self.to && has_usable_size(self.to)) {
-            return Err(Error::Argument(format!(
-                "band must be two increasing numbers from 0 to 1e100, not {:?} and {:?}",
-                self.from, self.to
-            )));
+            return Err(ArgumentError::value(
+                "band",
+                "must be two increasing numbers from 0 to 1e100",
+                format_args!("{:?} and {:?}", self.from, self.to),
+            )
+            .into());
         }
         if !(self.smooth >= 0.0 && has_usable_size(self.smooth)) {
-            return Err(Error::Argument(format!(
-                "smooth must be 0 or more and at most 1e100, not {:?}",
-                self.smooth
-            )));
+            return Err(ArgumentError::value(
+                "smooth",
+                "must be 0 or more and at most 1e100",
+                format_args!("{:?}", self.smooth),
+            )
+            .into());
         }
         match has_usable_size(self.gain) {
             true => Ok(()),
-            false => Err(Error::Argument(format!(
-                "gain must be finite and at most 1e100 in size, not {:?}",
-                self.gain
-            ))),
+            false => Err(ArgumentError::value(
+                "gain",
+                "must be finite and at most 1e100 in size",
+                format_args!("{:?}", self.gain),
+            )
+            .into()),
         }
     }
 }
@@ -62,7 +68,7 @@ impl Exaggeration {
 /// The shapes (3, V) of `meshes`, each decomposed by itself and filtered alike.
 ///
 /// # Errors
-/// If the filter makes no sense, or as [`decompose`].
+/// If the filter makes no sense, or as [`crate::method::decompose`].
 pub fn caricature(
     meshes: &[&TriangleMesh],
     settings: &Settings,
@@ -70,6 +76,7 @@ pub fn caricature(
     stage: Stage,
 ) -> Result<Vec<Array2<f64>>> {
     filter.check()?;
+    settings.check()?;
     let most = meshes
         .iter()
         .map(|mesh| decomposition_memory_of(mesh, settings));
@@ -84,7 +91,7 @@ pub fn caricature(
     let share = 1.0 / meshes.len().max(1) as f64;
     let treat = |(index, mesh): (usize, &&TriangleMesh)| {
         let stage = stage.stage(share * index as f64, share * (index + 1) as f64);
-        let split = decompose(mesh, settings, stage)?;
+        let split = decompose_with(mesh, settings, stage)?;
         let times = split.component_times().iter();
         let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();
         split.filter(&gains)

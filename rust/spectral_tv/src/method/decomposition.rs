@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::error::{Error, Result, unusable_values};
+use crate::error::{ArgumentError, Result, unusable_values};
 use crate::method::Displacement;
 use crate::monitor::Stage;
 use crate::spectral::SpectralTransform;
@@ -64,7 +64,12 @@ impl Decomposition {
             spectrum.len() == transform.component_times().len() && vertex_areas.len() == vertices;
         if !has_shapes || !has_counts {
             let message = "the parts of the decomposition have shapes that do not go together";
-            return Err(Error::Argument(message.into()));
+            return Err(ArgumentError::contradiction(
+                "transform",
+                &["displacement", "spectrum"],
+                message,
+            )
+            .into());
         }
         let is_whole = displacement.iter().all(|found| {
             let parts = [found.base.view(), found.direction.view()];
@@ -75,7 +80,9 @@ impl Decomposition {
         let mut numbers = spectrum.iter().chain(&vertex_areas);
         if !is_whole || !numbers.all(|number| *number >= 0.0 && number.is_finite()) {
             let message = "the decomposition has numbers that are not finite, or out of range";
-            return Err(Error::Argument(message.into()));
+            return Err(
+                ArgumentError::contradiction("displacement", &["spectrum"], message).into(),
+            );
         }
         Ok(Self {
             transform,

@@ -1,6 +1,6 @@
 //! What a caller may ask of an iteration.
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 
 /// What rounding leaves of a relative error; less cannot be asked for.
 const LEAST: f64 = 1e-15;
@@ -8,16 +8,17 @@ const LEAST: f64 = 1e-15;
 /// Refuses a relative tolerance that is not in [1e-15, 1).
 ///
 /// # Errors
-/// [`Error::Argument`].
+/// [`crate::Error::Argument`].
 pub fn check_tolerance(tolerance: f64) -> Result<()> {
+    let refused = |rule: String| {
+        ArgumentError::value("tolerance", rule, format_args!("{tolerance:?}")).into()
+    };
     if !(tolerance > 0.0 && tolerance < 1.0) {
-        return Err(Error::Argument(format!(
-            "tolerance must be between 0 and 1, not {tolerance:?}"
-        )));
+        return Err(refused("must be between 0 and 1".into()));
     }
     if tolerance < LEAST {
-        return Err(Error::Argument(format!(
-            "tolerance must be at least {LEAST:e}, which rounding leaves, not {tolerance:?}"
+        return Err(refused(format!(
+            "must be at least {LEAST:e}, which rounding leaves"
         )));
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use ndarray::{Array2, ArrayView2};
 
-use crate::error::{Error, Result, unusable_values};
+use crate::error::{ArgumentError, Error, Result, unusable_values};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
@@ -102,10 +102,14 @@ impl Discretization {
     pub fn check_gradients(&self, largest: f64) -> Result<()> {
         match largest * self.steepest_hat < STEEPEST {
             true => Ok(()),
-            false => Err(Error::Argument(format!(
-                "values of {largest:.0e} on faces {:.0e} high have gradients beyond {STEEPEST:.0e}",
-                self.steepest_hat.recip()
-            ))),
+            false => Err(ArgumentError::contradiction(
+                "values",
+                &["mesh"],
+                format!(
+                    "values of {largest:.0e} on faces {:.0e} high have gradients beyond {STEEPEST:.0e}",
+                    self.steepest_hat.recip()
+                ),
+            ).into()),
         }
     }
 
@@ -117,11 +121,16 @@ impl Discretization {
     pub fn check_values(&self, values: ArrayView2<f64>) -> Result<()> {
         let (channels, vertices) = values.dim();
         if channels == 0 || vertices != self.masses.len() {
-            return Err(Error::Argument(format!(
-                "values must have one row per vertex ({}) and at least one channel, but have \
-                 {vertices} rows and {channels} channels",
-                self.masses.len()
-            )));
+            return Err(ArgumentError::contradiction(
+                "values",
+                &["mesh"],
+                format!(
+                    "values must have one row per vertex ({}) and at least one channel, but have \
+                     {vertices} rows and {channels} channels",
+                    self.masses.len()
+                ),
+            )
+            .into());
         }
         match unusable_values(values) {
             Some((vertices, channel, value)) => Err(Error::NonFiniteValues {

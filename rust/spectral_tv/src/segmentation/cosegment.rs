@@ -2,7 +2,7 @@
 
 use ndarray::{Axis, concatenate};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::method::Decomposition;
 use crate::monitor::Stage;
@@ -18,7 +18,7 @@ use crate::segmentation::k_means::k_means;
 ///
 /// # Errors
 /// If there is no shape, one has no components, or `segments` is 0 or more than there are vertices;
-/// [`Error::Memory`]; or [`Error::Cancelled`].
+/// [`crate::Error::Memory`]; or [`crate::Error::Cancelled`].
 pub fn cosegment(
     decompositions: &[&Decomposition],
     segments: usize,
@@ -28,20 +28,25 @@ pub fn cosegment(
     let counts = decompositions.iter().map(|d| d.vertex_areas().len());
     let total: usize = counts.clone().sum();
     if decompositions.is_empty() {
-        return Err(Error::Argument("there is nothing to segment".into()));
+        return Err(ArgumentError::empty("decompositions", "there is nothing to segment").into());
     }
     if segments == 0 || segments > total {
-        return Err(Error::Argument(format!(
-            "segments must be between 1 and the number of vertices, {total}, not {segments}"
-        )));
+        return Err(ArgumentError::value(
+            "segments",
+            format!("must be between 1 and the number of vertices, {total}"),
+            segments,
+        )
+        .into());
     }
     if let Some(index) = decompositions
         .iter()
         .position(|d| d.component_times().is_empty())
     {
-        return Err(Error::Argument(format!(
-            "decomposition {index} has no components; it needs at least two steps"
-        )));
+        return Err(ArgumentError::empty(
+            format!("decompositions[{index}]"),
+            format!("decomposition {index} has no components; it needs at least two steps"),
+        )
+        .into());
     }
     let components = decompositions.iter().map(|d| d.component_times().len());
     stage.require(

@@ -251,7 +251,7 @@ fn combined(weights: ArrayView2<f64>, basis: ArrayView2<f64>, stage: Stage) -> R
         .try_for_each(|(mut rows, basis)| {
             stage.check()?;
             general_mat_mul(1.0, &weights.t(), &basis, 0.0, &mut rows);
-            Ok(())
+            Result::Ok(())
         })?;
     Ok(rows)
 }

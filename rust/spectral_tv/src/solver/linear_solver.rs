@@ -6,6 +6,7 @@ use sprs::CsMatI;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::named::named;
 use crate::solver::graph::Graph;
 use crate::solver::{Analysis, Cholesky, Multigrid};
 
@@ -41,6 +42,14 @@ pub enum Solver {
     /// By conjugate gradients with multigrid: linear in time and memory.
     Multigrid,
 }
+
+named!(
+    Solver,
+    "solver",
+    Auto = "auto",
+    Cholesky = "cholesky",
+    Multigrid = "multigrid",
+);
 
 impl Solver {
     /// Whether systems of so many unknowns are solved by iteration, whatever couples them.

@@ -1,6 +1,6 @@
 //! Where the time axis is cut into bands.
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 
 /// `count` + 1 edges from 0 to t_N that cut the components into bands of equal numbers.
 ///
@@ -12,10 +12,13 @@ use crate::error::{Error, Result};
 pub fn even_edges(times: &[f64], count: usize) -> Result<Vec<f64>> {
     let components = times.len() - 2;
     if count == 0 || count > components {
-        return Err(Error::Argument(format!(
-            "the number of bands must be between 1 and the number of components, {components}, \
-             not {count}"
-        )));
+        return Err(ArgumentError::value(
+            "bands",
+            format!("must be between 1 and the number of components, {components}"),
+            count,
+        )
+        .called("the number of bands")
+        .into());
     }
     let edge = |band: usize| match band {
         0 => 0.0,
@@ -38,28 +41,22 @@ const MOST_BANDS: usize = 1_000_000;
 /// increase.
 pub fn check_edges(edges: &[f64]) -> Result<()> {
     if edges.len() > MOST_BANDS + 1 {
-        return Err(Error::Argument(format!(
-            "edges must be those of at most {MOST_BANDS} bands, not {}",
-            edges.len() - 1
-        )));
+        return Err(ArgumentError::value(
+            "edges",
+            format!("must be those of at most {MOST_BANDS} bands"),
+            edges.len() - 1,
+        )
+        .into());
     }
     if edges.len() < 2 {
-        return Err(Error::Argument(format!(
-            "edges needs at least two values, but has {}",
-            edges.len()
-        )));
+        return Err(ArgumentError::count("edges", "needs at least two values", edges.len()).into());
     }
     // Infinity is a fair last edge: everything from there on.
     match edges
         .windows(2)
         .position(|pair| pair[0].partial_cmp(&pair[1]) != Some(std::cmp::Ordering::Less))
     {
-        Some(k) => Err(Error::Argument(format!(
-            "edges must increase, but edges[{}] is {} after {}",
-            k + 1,
-            edges[k + 1],
-            edges[k]
-        ))),
+        Some(k) => Err(ArgumentError::order("edges", "must increase", edges, k + 1).into()),
         None => Ok(()),
     }
 }

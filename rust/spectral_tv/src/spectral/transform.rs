@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ndarray::{Array2, ArrayView1, ArrayView2};
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, has_usable_size};
+use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::Trajectory;
 use crate::monitor::Stage;
 use crate::spectral::check_edges;
@@ -107,16 +107,15 @@ impl SpectralTransform {
     pub fn filter(&self, gains: &[f64]) -> Result<Array2<f64>> {
         let expected = self.component_times().len();
         if gains.len() != expected {
-            return Err(Error::Argument(format!(
-                "gains must have one value per component ({expected}), but has {}",
-                gains.len()
-            )));
+            return Err(ArgumentError::count(
+                "gains",
+                format!("must have one value per component ({expected})"),
+                gains.len(),
+            )
+            .into());
         }
         if let Some(k) = gains.iter().position(|gain| !has_usable_size(*gain)) {
-            let gain = gains[k];
-            return Err(Error::Argument(format!(
-                "gains[{k}] is not finite, or beyond 1e100: {gain:?}"
-            )));
+            return Err(ArgumentError::non_finite(format!("gains[{k}]"), gains[k]).into());
         }
         Ok(self.combination(gains) + self.residual())
     }
@@ -125,7 +124,7 @@ impl SpectralTransform {
     /// vertex areas.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// [`crate::Error::Cancelled`].
     pub fn spectrum(&self, masses: &[f64], stage: Stage) -> Result<Vec<f64>> {
         let count = self.component_times().len();
         let strength = |index: usize| {
@@ -188,7 +187,7 @@ mod tests {
             let cancelled = Monitor::new();
             cancelled.cancel();
             let outcome = transform.spectrum(operators.masses(), cancelled.whole());
-            assert!(matches!(outcome, Err(Error::Cancelled)));
+            assert!(matches!(outcome, Err(crate::Error::Cancelled)));
         }
     }
 }

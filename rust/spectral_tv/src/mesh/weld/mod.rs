@@ -10,7 +10,7 @@ mod near;
 mod patch;
 mod surface;
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::mesh::findings::Findings;
 use crate::mesh::open_edges::{open_edges, vertices_of};
 pub(super) use patch::Patch;
@@ -19,9 +19,9 @@ pub(super) use patch::Patch;
 pub(super) fn check_tolerance(tolerance: f64) -> Result<()> {
     match tolerance >= 0.0 && tolerance.is_finite() {
         true => Ok(()),
-        false => Err(Error::Argument(format!(
-            "weld must be a length of 0 or more, not {tolerance}"
-        ))),
+        false => {
+            Err(ArgumentError::value("weld", "must be a length of 0 or more", tolerance).into())
+        }
     }
 }
 

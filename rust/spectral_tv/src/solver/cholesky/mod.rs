@@ -33,7 +33,7 @@ use units::Unit;
 
 /// For refusals.
 const WHAT: &str = "the factor of the mesh's matrix";
-const ADVICE: &str = "take a smaller mesh, or the solver \"multigrid\" for a flow";
+const ADVICE: &str = "take a smaller mesh, or the multigrid solver for a flow";
 
 /// Multiplications that are worth handing to another thread.
 const LEAST_WORK: f64 = 1.5e5;

@@ -1,7 +1,11 @@
 //! What can go wrong, said so that the caller finds the place.
 
+mod argument;
+
 use ndarray::ArrayView2;
 use thiserror::Error;
+
+pub use argument::{ArgumentError, Fault};
 
 /// The result of every fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -41,9 +45,9 @@ pub enum Error {
     /// The mesh has too few or too many elements to work on.
     #[error("{0}")]
     Unusable(String),
-    /// The value of an argument makes no sense.
-    #[error("{0}")]
-    Argument(String),
+    /// An argument cannot be used.
+    #[error(transparent)]
+    Argument(ArgumentError),
     /// Values of vertices are NaN, infinite or too large.
     #[error(
         "the value of vertex {}, channel {channel}, is not finite, or beyond 1e100: {value:?}{}",
