@@ -59,7 +59,7 @@ def base_shape(
 
     Raises Refusal if the shape key it should be does not exist, or is not finite.
     """
-    if not settings.by.takes_base or settings.base == "FLOW":
+    if not settings.by.takes("base") or settings.base == "FLOW":
         return None
     if settings.base == "FLAT":
         return flattened(surfaces[0])

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import spectral_tv
+
 from ..options.declaring import Only
 
 
@@ -12,10 +14,6 @@ class Method:
     name: str
     label: str
     text: str
-    takes_steps: bool = True
-    takes_base: bool = False
-    # Or one band that holds all detail.
-    has_bands: bool = True
 
     @property
     def package(self) -> str:
@@ -28,6 +26,20 @@ class Method:
         exponent = self.name.partition("_P")[2]
         return int(exponent) if exponent else None
 
+    def takes(self, option: str) -> bool:
+        """Whether an option of the package is for it."""
+        return option in spectral_tv.METHODS[self.package].options
+
+    @property
+    def takes_steps(self) -> bool:
+        """Whether it flows in steps."""
+        return spectral_tv.METHODS[self.package].takes_steps
+
+    @property
+    def has_bands(self) -> bool:
+        """Whether it has bands between times, or one that holds all detail."""
+        return self.takes("times")
+
     @property
     def item(self) -> tuple[str, str, str]:
         """As one of a menu."""
@@ -35,7 +47,7 @@ class Method:
 
     @property
     def key_label(self) -> str:
-        """What the names of its shape keys begin with."""
+        """What the names of its bands begin with."""
         return self.name if len(self.name) == 2 else self.name.replace("_", " ").title()
 
 
@@ -44,17 +56,17 @@ OF_THE_PAPER = (
            "Surface detail of every size, the body undistorted (M1, shape TV)"),
     Method("M2", "Limbs and Head", "Limbs, head, ears, tail (M2, conformalized 3-Laplace)"),
     Method("M3", "Edge-Keeping Detail",
-           "Detail with crisp edges: plates, folds (M3, directional TV)", takes_base=True),
+           "Detail with crisp edges: plates, folds (M3, directional TV)"),
 )  # fmt: skip
 COMPARISONS = (
     Method("NAIVE", "Per Axis", "Each axis alone, which squares the shape along its axes"),
     Method("HEAT", "Heat", "Linear diffusion, which blurs edges"),
     Method("LB", "Eigenfunctions",
            "Waves on the surface, from fine to coarse (Laplace–Beltrami eigenfunctions). The first "
-           "band is what they do not hold", takes_steps=False),
+           "band is what they do not hold"),
     Method("DISPLACEMENT", "Displacement",
-           "All detail as one band: the displacement from the smoothed shape (Cignoni et al. 2005)",
-           takes_steps=False, takes_base=True, has_bands=False),
+           "All detail as one band: the displacement from the smoothed shape (Cignoni et al. "
+           "2005)"),
     Method("M2_P2", "M2 with P = 2", "Conformalized mean curvature flow, of which M2 is made"),
     Method("M2_P1", "M2 with P = 1", "The conformalized 1-Laplace"),
 )  # fmt: skip
@@ -68,13 +80,10 @@ ITEMS = (
 )
 
 
-def _only(attribute: str, otherwise: str = "") -> Only:
-    names = [name for name, each in METHODS.items() if getattr(each, attribute)]
+def taking(option: str, otherwise: str = "") -> Only:
+    """The condition that the method takes an option of the package."""
+    names = [name for name, each in METHODS.items() if each.takes(option)]
     return Only("method", names, otherwise=otherwise)
 
 
-# Of what methods options are.
-IN_STEPS = _only("takes_steps", "takes no time steps")
-WITH_BASE = _only("takes_base")
-WITH_BANDS = _only("has_bands")
-EIGENFUNCTIONS, DIRECTIONAL = Only("method", ["LB"]), Only("method", ["M3"])
+WITH_BANDS, WITH_BASE = taking("times"), taking("base")

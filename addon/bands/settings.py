@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import spectral_tv
+from spectral_tv import DEFAULTS
 
 from ..options.declaring import Only, choice, integer, keywords, name_of, number, share, switch
-from . import methods
-from .methods import METHODS, Method
+from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
 
 BASES = (
     ("FLOW", "Smoothed Shape", "The object itself, smoothed until its limbs are gone"),
@@ -48,15 +48,18 @@ class Settings:
     takes ``steps``. ``weld`` is a percentage.
     """
 
-    method: str = choice("Method", "What the bands split off", methods.ITEMS, "M1", place="method")
+    method: str = choice(
+        "Method", "What the bands split off", ITEMS, DEFAULTS["method"].upper(), place="method"
+    )
     bands: int = integer(
         "Bands",
         "Number of bands, from the finest detail to the largest", 5, 1, 32,
-        applies=methods.WITH_BANDS, place="method"
+        applies=WITH_BANDS, place="method"
     )  # fmt: skip
     steps: int = integer(
-        "Steps", STEPS, 32, 2, 1000, soft_most=128, applies=methods.WITH_BANDS, place="method"
-    )
+        "Steps", STEPS, DEFAULTS["steps"], 2, 1000, soft_most=128, applies=WITH_BANDS,
+        place="method"
+    )  # fmt: skip
     accuracy: float = share(
         "Error",
         "How far the bands may be from those of the finest steps, relative to their size: 10% is "
@@ -65,47 +68,49 @@ class Settings:
             "use_accuracy", "Steps by Accuracy", "Take as many steps as the accuracy needs. The "
             "first flows, which tell how many, take time too"
         ),
-        instead_of="steps", applies=methods.IN_STEPS, keyword="accuracy", metavar="E", refused=True
+        instead_of="steps", applies=taking("accuracy", "takes no time steps"),
+        keyword="accuracy", metavar="E", refused=True
     )  # fmt: skip
     eigenpairs: int = integer(
         "Eigenfunctions",
         "Number of eigenfunctions, the coarsest. More of them hold finer detail; the time grows "
-        "with the square of their number", 300, 2, 10000, soft_most=1000,
-        applies=methods.EIGENFUNCTIONS, place="method", keyword="eigenpairs"
+        "with the square of their number", DEFAULTS["eigenpairs"], 2, 10000, soft_most=1000,
+        applies=taking("eigenpairs"), place="method", keyword="eigenpairs"
     )  # fmt: skip
     finest: float = share(
         "Finest",
         "Size of the finest detail to tell apart, relative to the object's size", 0, 0, 50,
-        soft_least=0.01, digits=2, switch=SCALES, own="own_finest", applies=methods.WITH_BANDS,
+        soft_least=0.01, digits=2, switch=SCALES, own="own_finest", applies=WITH_BANDS,
         place="scales"
     )  # fmt: skip
     largest: float = share(
         "Largest",
         "Size of the largest features that bands hold, relative to the object's size. What is "
         "larger stays in the low-pass", 0, 0, 100, soft_least=0.02, digits=2, switch=SCALES,
-        own="own_largest", applies=methods.WITH_BANDS, place="scales"
+        own="own_largest", applies=WITH_BANDS, place="scales"
     )  # fmt: skip
     base: str = choice(
         "Base",
         "The smooth shape from which detail is measured", BASES, other=("KEY", "base_key"),
-        applies=methods.WITH_BASE, place="base", refused=True
+        applies=WITH_BASE, place="base", refused=True
     )  # fmt: skip
     base_amount: float = share(
         "Smoothing",
         "Size of the features that vanish from the base, relative to the object's size", 0, 0, 50,
         soft_least=0.1, digits=1,
         switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
-        own="own_base_amount", applies=(methods.WITH_BASE, Only("base", ["FLOW"])), place="base",
+        own="own_base_amount", applies=(WITH_BASE, Only("base", ["FLOW"])), place="base",
         refused=True
     )  # fmt: skip
     base_key: str = name_of(
         "Shape Key", "The shape key that is the base", search="key_blocks",
-        applies=(methods.WITH_BASE, Only("base", ["KEY"])), place="base", argument=""
+        applies=(WITH_BASE, Only("base", ["KEY"])), place="base", argument=""
     )  # fmt: skip
     metric: str = choice(
         "Distances",
         "Along what distances are measured, and with them sizes", METRICS,
-        applies=methods.DIRECTIONAL, place="base", keyword="metric", refused=True
+        DEFAULTS["metric"].upper(), applies=taking("metric"), place="base", keyword="metric",
+        refused=True
     )  # fmt: skip
     vertex_group: str = name_of(
         "Limit to", "Limits where the bands have an effect", search="vertex_groups", place="mask"
@@ -179,9 +184,9 @@ class Settings:
         arguments: dict[str, Any] = {"method": self.by.package}
         if self.by.p is not None:
             arguments["p"] = self.by.p
-        if self.by.takes_base and base is not None:
+        if self.by.takes("base") and base is not None:
             arguments["base"] = base
-        elif self.by.takes_base and self.base_amount and mesh is not None:
+        elif self.by.takes("base") and self.base_amount and mesh is not None:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
 

@@ -84,7 +84,7 @@ def _shape(
 def _base(obj: bpy.types.Object, settings: Settings) -> list[bpy.types.ShapeKey]:
     """The key that detail is measured from, if one is: it is no part of what has the detail."""
     keys = obj.data.shape_keys
-    if keys is None or not settings.by.takes_base or settings.base != "KEY":
+    if keys is None or not settings.by.takes("base") or settings.base != "KEY":
         return []
     return [key for key in keys.key_blocks if key.name == settings.base_key]
 
