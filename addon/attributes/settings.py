@@ -32,17 +32,9 @@ def _names(choices: Any, context: bpy.types.Context, _text: str) -> list[str]:
 
 def _size(label: str, text: str, default: float, least: float, soft_most: float, on: Only) -> Any:
     return number(
-        label,
-        text,
-        default,
-        least,
-        1000,
-        soft_most=soft_most,
-        unit="PERCENTAGE",
-        digits=2,
-        applies=on,
-        place="sizes",
-    )
+        label, text, default, least, 1000, soft_most=soft_most, unit="PERCENTAGE", digits=2,
+        applies=on, place="sizes"
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -30,16 +30,9 @@ SIZE = (
 
 def _size(label: str, text: str, default: float, least: float, most: float, digits: int) -> Any:
     return number(
-        label,
-        text,
-        default,
-        least,
-        None,
-        soft_most=most,
-        unit="PIXEL",
-        digits=digits,
-        place="sizes",
-    )
+        label, text, default, least, None, soft_most=most, unit="PIXEL", digits=digits,
+        place="sizes"
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
