@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from .declaring import Option, in_force, options_of
+from .declaring import Only, Option, in_force, options_of
 
 # What stands for no end of a range.
 FAR, MANY = (-1e9, 1e9), 1 << 30
+# Of so many values the help tells with which an option goes.
+FEW = 3
 
 
 def add_arguments(parser: argparse.ArgumentParser, kind: type, *, of_object: bool = False) -> None:
@@ -18,17 +20,28 @@ def add_arguments(parser: argparse.ArgumentParser, kind: type, *, of_object: boo
         if option.argument == "":
             continue
         given: dict[str, Any] = {"dest": _dest(name, option), **_type(option)}
-        told = option.text[0].lower() + option.text[1:]
         if option.kind == "switch":
             given["action"] = "store_true"
         else:
             given["default"] = None if of_object or option.refused else _written(option)
-        if option.kind == "choice" and not option.other[0]:
-            told += f" ({_labels(option)})"
-        if option.kind in ("integer", "number", "choice"):
-            whose = "the object's own, at first " if of_object else ""
-            told += f"; default {whose}{_written(option)}"
+        told = _help(kind, option, "the object's own, at first " if of_object else "")
         parser.add_argument(_flag(name, option), help=told.replace("%", "%%"), **given)
+
+
+def _help(kind: type, option: Option, whose: str) -> str:
+    """What is told of an argument; ``whose`` stands before its default."""
+    told = option.text[0].lower() + option.text[1:]
+    if option.kind == "choice":
+        told += f" ({_labels(option)})"
+    if option.kind == "share" and option.metavar:
+        told += f"; a fraction, such as {option.default / 100:g}"
+    for condition in option.applies:
+        is_argument = options_of(kind)[condition.option].argument != ""
+        if is_argument and len(condition.values) <= FEW:
+            told += f"; with {_condition(kind, condition)}"
+    if option.kind in ("integer", "number", "choice"):
+        told += f"; default {whose}{_written(option)}"
+    return told
 
 
 def names_of(kind: type) -> set[str]:
@@ -141,21 +154,31 @@ def _labels(option: Option) -> str:
     text = ""
     for name, label, *_ in option.items:
         if name:
-            text += f"{'' if not text or text.endswith(' ') else ', '}{name.lower()}: {label}"
+            said = (
+                f"{name}: {label} by its name"
+                if name == option.other[0]
+                else (f"{name.lower()}: {label}")
+            )
+            text += f"{'' if not text or text.endswith(' ') else ', '}{said}"
         elif text:
             text += f"; {label.lower()} "
     return text
 
 
-def _told(kind: type, names: list[str], condition: Any, settings: Any) -> str:
+def _told(kind: type, names: list[str], condition: Only, settings: Any) -> str:
     flags = [_flag(name, options_of(kind)[name]) for name in names]
     other = _flag(condition.option, options_of(kind)[condition.option])
     if condition.otherwise:
         value = getattr(settings, condition.option).lower()
         return f"{flags[0]} is not for {other} {value}, which {condition.otherwise}"
     verb = "goes" if len(flags) == 1 else "go"
+    return f"{' and '.join(flags)} {verb} with {_condition(kind, condition)}"
+
+
+def _condition(kind: type, condition: Only) -> str:
+    """The argument that a condition is about, and the values that it wants."""
     values = " or ".join(value.lower() for value in condition.values)
-    return f"{' and '.join(flags)} {verb} with {other} {values}"
+    return f"{_flag(condition.option, options_of(kind)[condition.option])} {values}"
 
 
 def _as_argument(settings: Any, option: Option, value: Any) -> Any:
