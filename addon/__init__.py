@@ -1,7 +1,7 @@
 """Spectral TV: split a mesh into bands of detail that can be dialled, masked and animated.
 
-Panels call operators, operators run jobs, jobs call the package spectral_tv. Where that package
-cannot be used, a panel that says so takes the place of all parts.
+A folder holds a feature: its options, operators, panels and verb of the command line. They work
+by the package spectral_tv. Where that cannot be used, a panel that says so takes the place of all.
 """
 
 from importlib import import_module
@@ -9,31 +9,21 @@ from types import ModuleType
 
 from . import native
 
-_PARTS = (
-    "decomposition.properties",
-    "scene.records",
-    "scene.results",
-    "deformation.constraints",
-    "attributes",
-    "images",
-    "decomposition.spectrum",
-    "operators",
-    "panels",
-    "handlers",
-    "command_line",
-)
-_registered: list[ModuleType] = []
+_registered: ModuleType | None = None
 
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""
-    for name in _PARTS if native.problem() is None else ("unavailable",):
-        part = import_module(f".{name}", __package__)
-        part.register()
-        _registered.append(part)
+    global _registered  # noqa: PLW0603 - it lives as long as the module
+    name = "registration" if native.problem() is None else "unavailable"
+    part = import_module(f".{name}", __package__)
+    part.register()
+    _registered = part
 
 
 def unregister() -> None:
     """Called by Blender when the extension is disabled."""
-    while _registered:
-        _registered.pop().unregister()
+    global _registered  # noqa: PLW0603 - it lives as long as the module
+    if _registered is not None:
+        _registered.unregister()
+    _registered = None

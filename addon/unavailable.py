@@ -5,7 +5,7 @@ import sys
 import bpy
 
 from . import native
-from .sidebar import Sidebar, say
+from .drawing.sidebar import Sidebar, say
 
 
 class SPECTRAL_TV_PT_unavailable(Sidebar, bpy.types.Panel):  # noqa: N801 - Blender's convention
@@ -13,9 +13,9 @@ class SPECTRAL_TV_PT_unavailable(Sidebar, bpy.types.Panel):  # noqa: N801 - Blen
 
     bl_label = "Spectral TV"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         """Draw the one sentence."""
-        say(self.layout, context, _problem, "ERROR")
+        say(layout, context, _problem, "ERROR")
 
 
 def run(_arguments: list[str]) -> int:

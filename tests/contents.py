@@ -96,6 +96,8 @@ def values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
         value = getattr(group, name)
         if declared.type == "COLLECTION":
             found[name] = [values(each) for each in value]
+        elif isinstance(value, bpy.types.PropertyGroup):
+            found[name] = values(value)
         elif declared.type == "POINTER":
             found[name] = value and value.name
         else:

@@ -1,5 +1,5 @@
 """Functions on a mesh: attributes, vertex groups and shape keys, read, flowed and written back."""
 
-from . import properties
+from . import accuracy_panel, eigenset, flow, measure_accuracy, panel, properties, values
 
-register, unregister = properties.register, properties.unregister
+FILES = (properties, flow, values, eigenset, measure_accuracy, panel, accuracy_panel)

@@ -1,4 +1,4 @@
-"""The accuracy of a decomposition as a table, attributes and colours."""
+"""The accuracy of a decomposition as a table, attributes and colors."""
 
 import csv
 import io
@@ -63,22 +63,12 @@ def summary(text: str) -> list[tuple[str, str, str]]:
     for row in rows:
         bands = [float(value) for name, value in row.items() if name.startswith("Band ")]
         all_pass = float(row["Paper's All-Pass Error"])
-        short.append(
-            (
-                row["Steps"],
-                f"{sum(bands) / len(bands):.2g} %",
-                f"{all_pass:.2g} %",
-            )
-        )
+        short.append((row["Steps"], f"{sum(bands) / len(bands):.2g} %", f"{all_pass:.2g} %"))
     return short
 
 
 def write(
-    obj: bpy.types.Object,
-    method: str,
-    surface: Surface,
-    result: spectral_tv.Accuracy,
-    shown: str,
+    obj: bpy.types.Object, method: str, surface: Surface, result: spectral_tv.Accuracy, shown: str
 ) -> list[str]:
     """Write the errors of the most steps as attributes, in the unit of the scene; name them.
 
@@ -89,8 +79,8 @@ def write(
     errors = {label: surface.to_vertices(getattr(result, name)[most]) for label, name, _ in ERRORS}
     pieces = {label: Piece("ATTRIBUTE", values, "FLOAT") for label, values in errors.items()}
     label = next(label for label, _, short in ERRORS if short == shown)
-    colours = np.column_stack([heat_map(errors[label]), np.ones(len(surface.place))])
-    pieces["Error Color"] = Piece("ATTRIBUTE", colours, "FLOAT_COLOR")
+    colors = np.column_stack([heat_map(errors[label]), np.ones(len(surface.place))])
+    pieces["Error Color"] = Piece("ATTRIBUTE", colors, "FLOAT_COLOR")
     told = table(surface, result)
     with whole(obj):
         keep_text(obj.data, "accuracy", f"{obj.name} Accuracy.csv", told)
@@ -100,7 +90,7 @@ def write(
 
 
 def heat_map(values: np.ndarray) -> np.ndarray:
-    """Colours (V, 3) of values (V,) from 0 to their largest."""
+    """Colors (V, 3) of values (V,) from 0 to their largest."""
     shares = values / max(values.max(), np.finfo(float).tiny)
     stops = np.linspace(0, 1, len(RAMP))
     return np.column_stack(

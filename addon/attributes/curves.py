@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..decomposition.lettering import HEIGHT, mask
-from ..decomposition.spectrum import colour
+from ..drawing.ink import HEIGHT, color, mask
+from ..scene.arrays import numbers
 from ..scene.documents import keep_image, keep_text
 from ..scene.objects import Refusal
 from ..scene.results import written_names
@@ -16,10 +16,6 @@ from ..scene.whole import whole
 from .flows import Prepared
 from .sources import read
 
-PARTS = (
-    ("GROUPS", "Vertex Groups", "The mean value of every chosen vertex group"),
-    ("VERTICES", "Selected Vertices", "The value of every vertex selected in Edit Mode"),
-)
 MOST_VERTICES = 16
 CHANNELS = ("X", "Y", "Z")
 COLORS = ("R", "G", "B")
@@ -54,8 +50,7 @@ def parts(obj: bpy.types.Object, kind: str, chosen: str) -> dict[str, np.ndarray
     Raises Refusal if there is none.
     """
     if kind == "VERTICES":
-        selected = np.empty(len(obj.data.vertices), dtype=bool)
-        obj.data.vertices.foreach_get("select", selected)
+        selected = numbers(obj.data.vertices, "select", dtype=bool)
         vertices = np.flatnonzero(selected)
         if not 0 < len(vertices) <= MOST_VERTICES:
             raise Refusal(f"select 1 to {MOST_VERTICES} vertices, not {len(vertices)}")
@@ -105,7 +100,7 @@ def picture(table: Table, thickness: int = 3) -> np.ndarray:
         _ink(image, label, BOTTOM - 2 * HEIGHT * PIXEL, min(x, right - label.shape[1]), INK)
     across = np.linspace(0, table.times[-1], right - LEFT)
     for number, column in enumerate(table.values.T):
-        ink = colour(number, len(table.names))
+        ink = color(number, len(table.names))
         share = (np.interp(across, table.times, column) - low) / max(high - low, 1e-300)
         heights = np.rint(BOTTOM + share * (top - 1 - BOTTOM)).astype(int)
         for x, (one, two) in enumerate(pairwise(heights), start=LEFT):

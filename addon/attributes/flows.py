@@ -8,37 +8,16 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..filters.filtering import filter_values
+from ..bands.filtering import filter_values
 from ..scene import mix
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .outputs import BAND, REST
+from .settings import Settings
 from .sources import Source, read
 
 # A flow to one size starts with steps for spots so many times smaller.
 FINER = 20
-
-
-@dataclass(frozen=True)
-class Choice:
-    """What the user chose; sizes are percentages. See AttributeProperties."""
-
-    kind: str
-    source: str
-    result: str
-    law: str
-    exact: bool
-    size: float
-    finest: float
-    largest: float
-    bands: int
-    steps: int
-    preset: str
-    first: int
-    last: int
-    amount: float
-    gains: str
-    keep_rest: bool
 
 
 @dataclass(frozen=True)
@@ -50,16 +29,16 @@ class Prepared:
     arguments: dict[str, Any]
 
 
-def prepare(obj: bpy.types.Object, choice: Choice, is_even: bool = False) -> Prepared:
+def prepare(obj: bpy.types.Object, settings: Settings, is_even: bool = False) -> Prepared:
     """Read what is to be flowed, in even steps or in steps that grow with the time.
 
     Raises Refusal or spectral_tv.MeshError if the object and the choice do not go together.
     """
-    if choice.result != "FLOW" and choice.bands >= choice.steps:
-        raise Refusal(f"{choice.bands} bands need more than {choice.steps} steps")
-    if choice.result == "FILTER":
-        filter_values(choice)  # refused now rather than after the work
-    source = read(obj, choice.kind, choice.source)
+    if settings.result != "FLOW" and settings.bands >= settings.steps:
+        raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
+    if settings.result == "FILTER":
+        filter_values(settings)  # refused now rather than after the work
+    source = read(obj, settings.kind, settings.source)
     surface = _surface(obj, source)
     values = source.values
     # Displacements count as lengths on the surface, which is in world scale.
@@ -67,38 +46,40 @@ def prepare(obj: bpy.types.Object, choice: Choice, is_even: bool = False) -> Pre
     contrast = float(np.linalg.norm(np.ptp(values, axis=0)))
     if contrast <= 1e-6 * np.abs(values).max():
         raise Refusal(f"{source.name!r} is the same everywhere; there is nothing to flow")
-    finest, largest = choice.finest, choice.largest
-    if choice.result == "FLOW":
-        finest, largest = choice.size / FINER, choice.size
+    finest, largest = settings.finest, settings.largest
+    if settings.result == "FLOW":
+        finest, largest = settings.size / FINER, settings.size
     elif finest >= largest:
         raise Refusal("the finest size is not below the largest")
     size = math.sqrt(surface.mesh.area) / 100
-    ends = [_time(choice.law, percent * size, contrast) for percent in (finest, largest)]
-    times = spectral_tv.graded_times(*ends, choice.steps)
+    ends = [_time(settings.law, percent * size, contrast) for percent in (finest, largest)]
+    times = spectral_tv.graded_times(*ends, settings.steps)
     return Prepared(
         source,
         surface,
         {
             "values": values,
-            "times": np.linspace(0, ends[1], choice.steps + 1) if is_even else times,
-            "operator": choice.law.lower(),
-            "exact": choice.exact and choice.law == "TV",
+            "times": np.linspace(0, ends[1], settings.steps + 1) if is_even else times,
+            "operator": settings.law.lower(),
+            "exact": settings.is_exact,
         },
     )
 
 
-def results(prepared: Prepared, choice: Choice, flow: spectral_tv.Flow) -> dict[str, np.ndarray]:
+def results(
+    prepared: Prepared, settings: Settings, flow: spectral_tv.Flow
+) -> dict[str, np.ndarray]:
     """What is to be written of a flow, (V, C) on the object's vertices, by its label."""
-    if choice.result == "FLOW":
+    if settings.result == "FLOW":
         found = {"Flow": flow.states[-1]}
     else:
-        bands = flow.bands(flow.band_edges(choice.bands))
-        if choice.result == "BANDS":
+        bands = flow.bands(flow.band_edges(settings.bands))
+        if settings.result == "BANDS":
             found = {f"{BAND} {number}": band for number, band in enumerate(bands, start=1)}
             found[REST] = flow.residual
         else:
-            filtered = np.tensordot(1 + np.array(filter_values(choice)), bands, axes=1)
-            found = {"Filtered": filtered + choice.keep_rest * flow.residual}
+            filtered = np.tensordot(1 + np.array(filter_values(settings)), bands, axes=1)
+            found = {"Filtered": filtered + settings.keep_rest * flow.residual}
     surface = prepared.surface
     if prepared.source.kind == "KEY":
         return {label: surface.to_object(each[np.newaxis])[0] for label, each in found.items()}

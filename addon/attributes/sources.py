@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..scene.arrays import corner_vertices, numbers
 from ..scene.contents import TYPES, attribute_values
 from ..scene.mix import key_displacement
 from ..scene.notes import note
@@ -24,7 +25,7 @@ COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
 class Source:
     """A function on the vertices of an object: ``values`` (V, C), C being 1 for a scalar.
 
-    Of colours red, green and blue are the values, and ``alpha`` (V,) is kept as it is; of shape
+    Of colors red, green and blue are the values, and ``alpha`` (V,) is kept as it is; of shape
     keys the displacements, in object space.
     """
 
@@ -119,14 +120,11 @@ def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
     values = attribute_values(attribute).reshape(-1, channels).astype(np.float64)
     if attribute.domain == "POINT":
         return values
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    corners = corner_vertices(mesh)
     if attribute.domain == "CORNER":
         return _means(corners, np.ones(len(corners)), values, len(mesh.vertices))
-    sizes = np.empty(len(mesh.polygons), dtype=np.int32)
-    areas = np.empty(len(mesh.polygons), dtype=np.float32)
-    mesh.polygons.foreach_get("loop_total", sizes)
-    mesh.polygons.foreach_get("area", areas)
+    sizes = numbers(mesh.polygons, "loop_total")
+    areas = numbers(mesh.polygons, "area", dtype=np.float32)
     # A face without area still has a say where it is alone.
     areas = np.maximum(areas, np.finfo(np.float32).tiny)
     face = np.repeat(np.arange(len(sizes)), sizes)

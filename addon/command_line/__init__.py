@@ -1,17 +1,16 @@
 """The command line: ``blender --command spectral_tv VERB INPUT -o OUTPUT``."""
 
 import argparse
+from collections.abc import Sequence
 from typing import NoReturn
 
 import bpy
 
 from . import signals, streams
-from .decompose import Decompose
-from .deform import Deform
-from .image import Filter
+from .verb import Command
 
 NAME = "spectral_tv"
-VERBS = (Decompose(), Deform(), Filter())
+_verbs: list[Command] = []
 
 
 def run(arguments: list[str]) -> int:
@@ -39,7 +38,7 @@ def _run(arguments: list[str]) -> int:
         description="Filter the detail of meshes or pictures, or move parts of meshes.",
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for verb in VERBS:
+    for verb in _verbs:
         verb.add_parser(commands)
     choices = parser.parse_args(arguments)
     return choices.run(choices)
@@ -48,8 +47,9 @@ def _run(arguments: list[str]) -> int:
 _handle = None
 
 
-def register() -> None:
-    """Make the command known to Blender."""
+def register(verbs: Sequence[Command]) -> None:
+    """Make the command, with these verbs, known to Blender."""
+    _verbs[:] = verbs
     global _handle  # noqa: PLW0603 - it lives as long as the module
     _handle = bpy.utils.register_cli_command(NAME, run)
 

@@ -2,10 +2,7 @@
 
 import argparse
 import os
-from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from ..files.names import file_keys
 from ..scene.objects import Refusal
@@ -22,15 +19,8 @@ def epilog(examples: str) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> None:
     """Declare the arguments; ``verb`` is what is done to objects, ``result`` what they are then."""
+    add_places(parser, "a file that Blender imports", "the file", "glb", is_required=False)
     add = parser.add_argument
-    add("inputs", metavar="INPUT", nargs="+", type=_path, help="a file that Blender imports")
-    add("-o", "--output", type=target_path, help="the file to write, or a folder that exists")
-    add(
-        "--format",
-        metavar="SUFFIX",
-        type=lambda text: "." + text.lower().lstrip("."),
-        help="what to write into the folder, such as glb; as the input if not given",
-    )
     add(
         "--render",
         metavar="PICTURE",
@@ -46,6 +36,27 @@ def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> No
         "nothing else",
     )
     add_report(parser)
+
+
+def add_places(
+    parser: argparse.ArgumentParser, read: str, written: str, suffix: str, *, is_required: bool
+) -> None:
+    """Declare what is read and where the result goes, in words, with a suffix as an example."""
+    add = parser.add_argument
+    add("inputs", metavar="INPUT", nargs="+", type=_path, help=read)
+    add(
+        "-o",
+        "--output",
+        type=target_path,
+        required=is_required,
+        help=f"{written} to write, or a folder that exists",
+    )
+    add(
+        "--format",
+        metavar="SUFFIX",
+        type=lambda text: "." + text.lower().lstrip("."),
+        help=f"what to write into the folder, such as {suffix}; as the input if not given",
+    )
 
 
 def add_report(parser: argparse.ArgumentParser) -> None:
@@ -139,39 +150,6 @@ def ensure_file(path: Path) -> None:
         raise Refusal(f"it is a folder; name the files in it, such as {path / '*'}")
     if not path.is_file():
         raise Refusal("there is no such file")
-
-
-def whole(least: int, most: int) -> Callable[[str], int]:
-    """A type of argument: a whole number."""
-
-    def read(text: str) -> int:
-        if not (text.isdecimal() and least <= int(text) <= most):
-            raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least} to {most}")
-        return int(text)
-
-    return read
-
-
-def number(text: str, least: float, most: float) -> float:
-    """Read a number."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not least <= value <= most:
-        message = f"{text!r} is not a number from {least:g} to {most:g}"
-        raise argparse.ArgumentTypeError(message)
-    return value
-
-
-def positive(text: str) -> float:
-    """Read a number above 0."""
-    return number(text, np.finfo(float).tiny, 1e9)
-
-
-def percent(text: str, least: float = 0.01) -> float:
-    """Read a percentage; the sign is optional."""
-    return number(text.removesuffix("%"), least, 100)
 
 
 def target_path(text: str) -> Path:

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ..scene.animation import curves_of
+from ..scene.arrays import numbers
 from .formats import APPLIED, HOLDS, NO
 
 CURVES = ("CURVE", "SURFACE", "FONT", "META", "CURVES")
@@ -66,7 +67,7 @@ def _of_mesh(obj: bpy.types.Object) -> Iterator[Thing]:
     mesh, name = obj.data, obj.name
     yield Thing("objects", name, name)
     yield Thing("names", name, name)
-    for kind, layers in (("colours", color_layers(mesh)), ("uvs", uv_layers(mesh))):
+    for kind, layers in (("colors", color_layers(mesh)), ("uvs", uv_layers(mesh))):
         for layer in layers:
             yield Thing(kind, name, layer.name, getattr(layer, "data_type", ""))
     for material in filter(None, mesh.materials):
@@ -96,7 +97,7 @@ def _of_mesh(obj: bpy.types.Object) -> Iterator[Thing]:
 
 
 def color_layers(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
-    """The colours of a mesh, the active ones first."""
+    """The colors of a mesh, the active ones first."""
     active = mesh.color_attributes.active_color
     layers = list(mesh.color_attributes)
     return sorted(layers, key=lambda layer: active is None or layer.name != active.name)
@@ -108,7 +109,7 @@ def uv_layers(mesh: bpy.types.Mesh) -> list[bpy.types.MeshUVLoopLayer]:
 
 
 def own_attributes(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
-    """The attributes of a mesh that are neither Blender's own nor colours nor UV maps."""
+    """The attributes of a mesh that are neither Blender's own nor colors nor UV maps."""
     layers = {layer.name for layer in [*mesh.color_attributes, *mesh.uv_layers]}
     return [
         attribute
@@ -171,8 +172,7 @@ def images(tree: bpy.types.NodeTree | None) -> list[bpy.types.Image]:
 
 def larger_polygons(mesh: bpy.types.Mesh) -> int:
     """How many polygons have more than three corners."""
-    sizes = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.polygons.foreach_get("loop_total", sizes)
+    sizes = numbers(mesh.polygons, "loop_total")
     return int((sizes > 3).sum())
 
 
@@ -185,14 +185,12 @@ def loose(mesh: bpy.types.Mesh) -> tuple[int, int]:
 
 def loose_edges(mesh: bpy.types.Mesh) -> np.ndarray:
     """The vertices of edges in no face, (E, 2)."""
-    used = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("edge_index", used)
+    used = numbers(mesh.loops, "edge_index")
     is_loose = np.ones(len(mesh.edges), dtype=bool)
     is_loose[used] = False
     return _edges(mesh)[is_loose].astype(np.int64)
 
 
 def _edges(mesh: bpy.types.Mesh) -> np.ndarray:
-    ends = np.empty(2 * len(mesh.edges), dtype=np.int32)
-    mesh.edges.foreach_get("vertices", ends)
+    ends = numbers(mesh.edges, "vertices", 2)
     return ends.reshape(-1, 2)

@@ -5,6 +5,8 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
+from ..files.srgb import decoded, encoded
+from ..scene.arrays import corner_vertices, numbers
 from .contents import color_layers, own_attributes
 from .formats import FORMATS
 
@@ -36,7 +38,7 @@ def _for_gltf(mesh: bpy.types.Mesh) -> None:
 
 
 def _with_bytes(mesh: bpy.types.Mesh) -> None:
-    """Colours are written where they are bytes on face corners."""
+    """Colors are written where they are bytes on face corners."""
     for name in [layer.name for layer in color_layers(mesh)]:
         values = _on_corners(
             mesh, _colors(mesh.color_attributes[name]), mesh.color_attributes[name]
@@ -45,21 +47,21 @@ def _with_bytes(mesh: bpy.types.Mesh) -> None:
 
 
 def _for_ply(mesh: bpy.types.Mesh) -> None:
-    """The colours are bytes of vertices, and the exporter cuts them off where it should round."""
+    """The colors are bytes of vertices, and the exporter cuts them off where it should round."""
     _keep_one(mesh)
     layers = color_layers(mesh)
     if not layers:
         return
     (layer,) = layers
     values = _on_vertices(mesh, _colors(layer), layer)
-    levels = np.round(255 * np.column_stack([_to_srgb(values[:, :3]), values[:, 3]]))
+    levels = np.round(255 * np.column_stack([encoded(values[:, :3].clip(0, 1)), values[:, 3]]))
     shifted = (levels + 0.25) / 255
-    values = np.column_stack([_to_linear(shifted[:, :3]), shifted[:, 3]])
+    values = np.column_stack([decoded(shifted[:, :3]), shifted[:, 3]])
     _replace(mesh, layer.name, "FLOAT_COLOR", "POINT", values)
 
 
 def _keep_one(mesh: bpy.types.Mesh) -> None:
-    """Only the active colours are written."""
+    """Only the active colors are written."""
     for name in [layer.name for layer in color_layers(mesh)][1:]:
         mesh.color_attributes.remove(mesh.color_attributes[name])
 
@@ -75,20 +77,13 @@ DRESSES: dict[str, Callable[[bpy.types.Mesh], None]] = {
 
 
 def _colors(layer: bpy.types.Attribute) -> np.ndarray:
-    """The colours of a layer, linear, (N, 4)."""
-    flat = np.empty(4 * len(layer.data), dtype=np.float32)
-    layer.data.foreach_get("color", flat)
+    """The colors of a layer, linear, (N, 4)."""
+    flat = numbers(layer.data, "color", 4, dtype=np.float32)
     return flat.reshape(-1, 4).astype(np.float64)
 
 
-def _corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    return corners
-
-
 def _on_corners(mesh: bpy.types.Mesh, values: np.ndarray, layer: bpy.types.Attribute) -> np.ndarray:
-    return values if layer.domain == "CORNER" else values[_corner_vertices(mesh)]
+    return values if layer.domain == "CORNER" else values[corner_vertices(mesh)]
 
 
 def _on_vertices(
@@ -97,7 +92,7 @@ def _on_vertices(
     """Values of vertices: where corners have them, their means."""
     if layer.domain == "POINT":
         return values
-    corners, count = _corner_vertices(mesh), len(mesh.vertices)
+    corners, count = corner_vertices(mesh), len(mesh.vertices)
     sums = [np.bincount(corners, channel, count) for channel in values.T]
     means = np.column_stack(sums)
     number = np.bincount(corners, minlength=count)[:, np.newaxis]
@@ -105,7 +100,7 @@ def _on_vertices(
 
 
 def _replace(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: np.ndarray) -> None:
-    """Give a colour layer another type and place, and values."""
+    """Give a color layer another type and place, and values."""
     is_active = mesh.color_attributes.active_color_name == name
     mesh.color_attributes.remove(mesh.color_attributes[name])
     layer = mesh.color_attributes.new(name, kind, domain)
@@ -113,12 +108,3 @@ def _replace(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: np
     if is_active:
         mesh.color_attributes.active_color_name = name
         mesh.color_attributes.render_color_index = mesh.color_attributes.find(name)
-
-
-def _to_srgb(linear: np.ndarray) -> np.ndarray:
-    linear = np.clip(linear, 0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-
-
-def _to_linear(srgb: np.ndarray) -> np.ndarray:
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)

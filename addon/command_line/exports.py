@@ -11,8 +11,8 @@ import bpy
 
 from ..files import stl
 from ..files.checks import check
-from ..files.checks.torn import require
 from ..files.room import with_room
+from ..files.torn import require
 from ..scene.animation import curves_of
 from ..scene.objects import Refusal
 from . import finish_obj, finish_ply
@@ -62,24 +62,7 @@ class Export:
 
 def write(place: Path, export: Export) -> None:
     """Write a file in a scene that is laid out for its format."""
-    match export.suffix:
-        case ".glb" | ".gltf":
-            _export_gltf(place, export)
-        case ".fbx":
-            _export_fbx(place, export)
-        case ".abc":
-            _export_abc(place, export)
-        case ".obj":
-            _export_obj(place, export)
-        case ".ply":
-            _export_ply(place, export)
-        case ".stl":
-            _export_stl(place, export)
-        case ".dae":
-            with export.dressed(), _beside(place, export):
-                export.call(place)
-        case _:
-            _export_usd(place, export)
+    WRITERS.get(export.suffix, _export_usd)(place, export)
 
 
 def is_text(suffix: str, source: Source) -> bool:
@@ -278,3 +261,14 @@ def _frames_that_move() -> Iterator[None]:
         yield
     finally:
         scene.frame_start, scene.frame_end = before
+
+
+def _export_dae(place: Path, export: Export) -> None:
+    with export.dressed(), _beside(place, export):
+        export.call(place)
+
+
+WRITERS = {
+    ".glb": _export_gltf, ".gltf": _export_gltf, ".fbx": _export_fbx, ".abc": _export_abc,
+    ".obj": _export_obj, ".ply": _export_ply, ".stl": _export_stl, ".dae": _export_dae,
+}  # fmt: skip

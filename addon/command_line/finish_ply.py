@@ -10,6 +10,7 @@ import numpy as np
 from ..files import ply_table
 from ..files.ply import AXES
 from ..files.ply_table import Table
+from ..scene.arrays import corner_vertices, numbers
 from ..scene.coordinates import coordinates
 from ..scene.notes import note
 from .contents import loose_edges
@@ -62,7 +63,7 @@ class Look:
 
     @property
     def lacks_alpha(self) -> bool:
-        """Whether vertices have colours without alpha."""
+        """Whether vertices have colors without alpha."""
         return "red" in self.columns and "alpha" not in self.columns
 
 
@@ -133,10 +134,8 @@ def _together(is_wanted: Callable[[bpy.types.DepsgraphObjectInstance], bool]) ->
         mesh, matrix = item.object.data, np.array(item.matrix_world)
         own = coordinates(mesh.vertices).reshape(-1, 3).astype(np.float64)
         points.append(own @ matrix[:3, :3].T + matrix[:3, 3])
-        corner = np.empty(len(mesh.loops), dtype=np.int32)
-        mesh.loops.foreach_get("vertex_index", corner)
-        size = np.empty(len(mesh.polygons), dtype=np.int32)
-        mesh.polygons.foreach_get("loop_total", size)
+        corner = corner_vertices(mesh)
+        size = numbers(mesh.polygons, "loop_total")
         normals.append(_normals(mesh, corner, matrix))
         corners.append(corner.astype(np.int64) + count)
         sizes.append(size)

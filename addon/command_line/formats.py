@@ -8,7 +8,7 @@ import bpy
 
 # What files hold besides the shape, and what the user calls it.
 KINDS = {
-    "colours": "vertex colors",
+    "colors": "vertex colors",
     "uvs": "UV maps",
     "materials": "materials",
     "textures": "textures",
@@ -107,104 +107,65 @@ class Format:
 
 BLEND = ".blend"
 _GLTF: Mapping[str, Any] = {
-    "importers": ("import_scene.gltf",),
-    "exporters": ("export_scene.gltf",),
-    "selection": "use_selection",
-    "reading": {"disable_bone_shape": True},
-    "keys": True,
+    "importers": ("import_scene.gltf",), "exporters": ("export_scene.gltf",),
+    "selection": "use_selection", "reading": {"disable_bone_shape": True}, "keys": True,
     "attributes": ("POINT", "CORNER", "FACE"),
-}
+}  # fmt: skip
 _GLTF_OPTIONS = {
-    "export_all_influences": True,
-    "export_attributes": True,
-    "export_cameras": True,
-    "export_extras": True,
-    "export_lights": True,
-    "export_vertex_color": "ACTIVE",
-    "use_mesh_edges": True,
-    "use_mesh_vertices": True,
-    "use_visible": True,
-}
+    "export_all_influences": True, "export_attributes": True, "export_cameras": True,
+    "export_extras": True, "export_lights": True, "export_vertex_color": "ACTIVE",
+    "use_mesh_edges": True, "use_mesh_vertices": True, "use_visible": True,
+}  # fmt: skip
 _USD = Format(
-    ("wm.usd_import",),
-    ("wm.usd_export",),
-    "selected_objects_only",
+    ("wm.usd_import",), ("wm.usd_export",), "selected_objects_only",
     {"evaluation_mode": "VIEWPORT", "export_subdivision": "TESSELLATE"},
-    attributes=("POINT", "CORNER", "FACE"),
-    others=True,
-)
+    attributes=("POINT", "CORNER", "FACE"), others=True,
+)  # fmt: skip
 FORMATS = {
     ".ply": Format(
-        ("wm.ply_import",),
-        ("wm.ply_export",),
-        "export_selected_objects",
-        attributes=("POINT",),
+        ("wm.ply_import",), ("wm.ply_export",), "export_selected_objects", attributes=("POINT",),
         by_selection=True,  # Blender 5.2 writes what will be rendered
     ),
     ".stl": Format(
-        ("wm.stl_import",),
-        ("wm.stl_export",),
-        "export_selected_objects",
+        ("wm.stl_import",), ("wm.stl_export",), "export_selected_objects",
         {"evaluation_mode": "DAG_EVAL_VIEWPORT"},
     ),
     ".obj": Format(
-        ("wm.obj_import",),
-        ("wm.obj_export",),
-        "export_selected_objects",
-        {"export_colors": True},
-        others=True,
+        ("wm.obj_import",), ("wm.obj_export",), "export_selected_objects",
+        {"export_colors": True}, others=True,
     ),
     ".glb": Format(**_GLTF, options={**_GLTF_OPTIONS, "export_format": "GLB"}),
     ".gltf": Format(
         **_GLTF, options={**_GLTF_OPTIONS, "export_format": "GLTF_SEPARATE"}, others=True
     ),
     ".fbx": Format(
-        ("wm.fbx_import", "import_scene.fbx"),
-        ("export_scene.fbx",),
-        "use_selection",
+        ("wm.fbx_import", "import_scene.fbx"), ("export_scene.fbx",), "use_selection",
         {
-            "add_leaf_bones": False,
-            "bake_anim_simplify_factor": 0.0,
-            "embed_textures": True,
-            "path_mode": "COPY",
-            "use_custom_props": True,
-            "use_mesh_edges": True,
+            "add_leaf_bones": False, "bake_anim_simplify_factor": 0.0, "embed_textures": True,
+            "path_mode": "COPY", "use_custom_props": True, "use_mesh_edges": True,
             "use_mesh_modifiers": False,  # they are applied before
             "use_visible": True,
         },
         {"anim_offset": 0.0},  # otherwise every round trip is a frame late
         keys=True,
     ),
-    ".usd": _USD,
-    ".usda": _USD,
-    ".usdc": _USD,
-    ".usdz": _USD,
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), _USD),
     ".abc": Format(
-        ("wm.alembic_import",),
-        ("wm.alembic_export",),
-        "selected",
-        {
-            "apply_subdiv": True,
-            "evaluation_mode": "VIEWPORT",
-            "vcolors": True,
-            "visible_objects_only": True,
-        },
+        ("wm.alembic_import",), ("wm.alembic_export",), "selected",
+        {"apply_subdiv": True, "evaluation_mode": "VIEWPORT", "vcolors": True,
+         "visible_objects_only": True},
     ),
     ".dae": Format(
-        ("wm.collada_import",),
-        ("wm.collada_export",),
-        "selected",
+        ("wm.collada_import",), ("wm.collada_export",), "selected",
         {
             "apply_modifiers": True,
             "include_animations": False,  # would leave keys as in the last frame
-            "include_armatures": False,
-            "include_shapekeys": False,
-            "triangulate": False,
+            "include_armatures": False, "include_shapekeys": False, "triangulate": False,
         },
         others=True,
         by_selection=True,  # hidden objects would end the process
     ),
-}
+}  # fmt: skip
 
 
 def a(suffix: str) -> str:

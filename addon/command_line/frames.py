@@ -9,11 +9,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..deformation.baking import frames_of as every
 from ..scene import applied
 from ..scene.animation import play_in_turn
 from ..scene.coordinates import coordinates
-from ..scene.frames import kept, visited
+from ..scene.frames import every, kept, visited
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import add_displacements
@@ -128,10 +127,7 @@ def _ensure_alike(
 
 
 def _play(
-    obj: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    frames: Sequence[int],
-    shapes: Sequence[np.ndarray],
+    obj: bpy.types.Object, mesh: bpy.types.Mesh, frames: Sequence[int], shapes: Sequence[np.ndarray]
 ) -> None:
     """Give ``obj`` a mesh that plays shapes, flat arrays of coordinates, one in each frame."""
     mesh.vertices.foreach_set("co", shapes[0])

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..files import fbx, ply, ply_table, stl
 from ..files import obj as objs
-from ..files.checks.torn import last
 from ..files.faces import Faces
+from ..files.torn import last
 from ..scene.coordinates import coordinates
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal

@@ -8,7 +8,7 @@ from .contents import Thing
 from .formats import APPLIED, BLEND, FORMATS, HOLDS, KINDS, NO, ONE, a
 
 # Kinds of which users want to know which ones.
-NAMED = ("colours", "uvs", "attributes", "groups", "keys", "armatures", "others", "curves")
+NAMED = ("colors", "uvs", "attributes", "groups", "keys", "armatures", "others", "curves")
 
 
 def tell_losses(things: Sequence[Thing], suffix: str, source: str) -> None:
@@ -57,29 +57,10 @@ def _total(things: Sequence[Thing]) -> int:
     return sum(thing.count for thing in things)
 
 
-def _objects(things: Sequence[Thing], _suffix: str) -> str | None:
-    return f"one object: {len(things)} were joined" if len(things) > 1 else None
-
-
-def _object_names(things: Sequence[Thing], _suffix: str) -> str | None:
-    return f"no object names: {_names(things)}" if len(things) > 1 else None
-
-
-def _polygons(things: Sequence[Thing], _suffix: str) -> str | None:
-    return f"triangles alone: {_total(things)} larger polygons were split"
-
-
-def _colours(things: Sequence[Thing], _suffix: str) -> str | None:
-    wide = [thing for thing in things if thing.detail == "FLOAT_COLOR"]
-    return f"vertex colors with 8 bits: {_names(wide)} lost digits" if wide else None
-
-
-def _materials(_things: Sequence[Thing], _suffix: str) -> str | None:
-    return "the names of materials alone"
-
-
-def _normals(_things: Sequence[Thing], _suffix: str) -> str | None:
-    return "one normal per vertex: custom ones of its corners are lost"
+def _some(text: str, things: Sequence[Thing], **wanted: object) -> str | None:
+    """A text about those that are wanted, their names for ``{}``; None if there are none."""
+    found = [each for each in things if all(getattr(each, k) == v for k, v in wanted.items())]
+    return text.format(_names(found)) if found else None
 
 
 def _attributes(things: Sequence[Thing], suffix: str) -> str | None:
@@ -87,53 +68,43 @@ def _attributes(things: Sequence[Thing], suffix: str) -> str | None:
     what = (
         "custom attributes of vertices alone"
         if len(domains) == 1
-        else "no custom attributes of edges"
+        else ("no custom attributes of edges")
     )
     left = [thing for thing in things if thing.detail not in domains]
     return f"{what}; left out: {_names(left)}" if left else None
 
 
-def _edges(things: Sequence[Thing], _suffix: str) -> str | None:
-    edges = [thing for thing in things if thing.name == "edges"]
-    return f"no loose edges: {_total(edges)} were left out" if edges else None
+def _loose(kind: str, text: str) -> Callable[[Sequence[Thing], str], str | None]:
+    def tell(things: Sequence[Thing], _suffix: str) -> str | None:
+        found = [thing for thing in things if thing.name == kind]
+        return text.format(_total(found)) if found else None
 
-
-def _points(things: Sequence[Thing], _suffix: str) -> str | None:
-    points = [thing for thing in things if thing.name == "points"]
-    return (
-        f"loose points as vertices of nothing: {_total(points)} may not be read" if points else None
-    )
-
-
-def _animation(things: Sequence[Thing], _suffix: str) -> str | None:
-    moving = [thing for thing in things if thing.detail == "shape"]
-    if not moving:
-        return None
-    return f"no vertices that move by themselves: {_names(moving)} is as in the current frame"
-
-
-def _curves(things: Sequence[Thing], _suffix: str) -> str | None:
-    return f"curves and texts as meshes: {_names(things)}"
-
-
-def _texts(things: Sequence[Thing], _suffix: str) -> str | None:
-    texts = [thing for thing in things if thing.detail in ("FONT", "META")]
-    return f"no texts: {_names(texts)} is left out" if texts else None
+    return tell
 
 
 # By the words of the table, what is lost of a kind of which a format holds a part.
 PARTS: dict[tuple[str, str], Callable[[Sequence[Thing], str], str | None]] = {
-    ("objects", NO): _objects,
-    ("polygons", NO): _polygons,
-    ("colours", "8 bits"): _colours,
-    ("materials", "names"): _materials,
-    ("normals", "per vertex"): _normals,
+    ("objects", NO): lambda them, _: (
+        f"one object: {len(them)} were joined" if len(them) > 1 else None
+    ),
+    ("names", NO): lambda them, _: f"no object names: {_names(them)}" if len(them) > 1 else None,
+    ("polygons", NO): lambda them, _: f"triangles alone: {_total(them)} larger polygons were split",
+    ("colors", "8 bits"): lambda them, _: _some(
+        "vertex colors with 8 bits: {} lost digits", them, detail="FLOAT_COLOR"
+    ),
+    ("materials", "names"): lambda _them, _: "the names of materials alone",
+    ("normals", "per vertex"): lambda _them, _: (
+        "one normal per vertex: custom ones of its corners are lost"
+    ),
     ("attributes", "not of edges"): _attributes,
     ("attributes", "of vertices"): _attributes,
-    ("loose", "points"): _edges,
-    ("loose", "edges"): _points,
-    ("names", NO): _object_names,
-    ("animation", "keyframes"): _animation,
-    ("curves", "meshes"): _curves,
-    ("curves", "curves"): _texts,
+    ("loose", "points"): _loose("edges", "no loose edges: {} were left out"),
+    ("loose", "edges"): _loose("points", "loose points as vertices of nothing: {} may not be read"),
+    ("animation", "keyframes"): lambda them, _: _some(
+        "no vertices that move by themselves: {} is as in the current frame", them, detail="shape"
+    ),
+    ("curves", "meshes"): lambda them, _: f"curves and texts as meshes: {_names(them)}",
+    ("curves", "curves"): lambda them, _: _some(
+        "no texts: {} is left out", [each for each in them if each.detail in ("FONT", "META")]
+    ),
 }

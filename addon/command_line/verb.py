@@ -12,6 +12,7 @@ import bpy
 import spectral_tv
 
 from ..files.whole import ensure_writable
+from ..options.arguments import names_of, read, told
 from ..scene.frames import kept, visited
 from ..scene.notes import gathered, listed, note
 from ..scene.objects import Refusal, refusal
@@ -54,6 +55,9 @@ class Command:
     summary: str
     description: str
     examples: str
+    # The dataclass of its options, and whether those that are not given are the object's own.
+    options: type
+    of_object = False
 
     def add_parser(self, commands: argparse._SubParsersAction) -> None:
         """Add the verb to the command line."""
@@ -67,18 +71,22 @@ class Command:
         """Do it and say so in ``entry``; raises one of ERRORS."""
         raise NotImplementedError
 
-    def not_in_force(self, _choices: argparse.Namespace) -> set[str]:
-        """The settings that are of no account beside others."""
-        return set()
+    def settings(self, choices: argparse.Namespace) -> Any:
+        """The options that were chosen, in the dataclass that declares them."""
+        return read(choices, self.options)
 
     def settings_of(self, choices: argparse.Namespace) -> dict[str, Any]:
         """The settings that were chosen, or are defaults, and count."""
-        left = {*PLACES, *self.not_in_force(choices)}
-        return {
+        others = {
             name: value
             for name, value in vars(choices).items()
-            if name not in left and value not in (None, "", [])
+            if name not in PLACES and value not in (None, "", [])
         }
+        if self.of_object:
+            return others
+        own = names_of(self.options)
+        left = {name: value for name, value in others.items() if name not in own}
+        return {**told(self.settings(choices)), **left}
 
     def _run(self, choices: argparse.Namespace) -> int:
         """Treat every input, those that fail too, and return the exit code."""
@@ -202,19 +210,19 @@ class Verb(Command):
         file, shot = outputs(choices, source)
         for target in filter(None, (file, shot)):
             ensure_writable(target.absolute())
-        read = load(source.absolute())
+        found = load(source.absolute())
         objects = _named(choices.objects) if choices.objects else self.choose(choices)
-        entry.read = _told(read)
+        entry.read = _described(found)
         distinct = list({obj.data: obj for obj in reversed(objects)}.values())[::-1]
         for obj in distinct:
             reason = refusal(obj)
             if reason is not None:
                 raise Refusal(f"{obj.name}: {reason}")
         entry.done = {"verb": self.name, "settings": self.settings_of(choices), "objects": []}
-        self.treat_all(distinct, choices, Job(source, file, read, entry.done["objects"]))
+        self.treat_all(distinct, choices, Job(source, file, found, entry.done["objects"]))
         only = objects if choices.objects else None
         if file is not None:
-            entry.output = self.write(file, only, choices, read)
+            entry.output = self.write(file, only, choices, found)
             for path in [entry.output] if isinstance(entry.output, str) else entry.output:
                 say(f"{source}: wrote {path}")
         if shot is not None:
@@ -295,7 +303,7 @@ def _named(names: list[str]) -> list[bpy.types.Object]:
     return [present[name] for name in dict.fromkeys(names)]
 
 
-def _told(read: Source) -> dict[str, Any]:
+def _described(read: Source) -> dict[str, Any]:
     """What was read, for the report."""
     meshes = [obj for obj in bpy.context.view_layer.objects if obj.type == "MESH"]
     objects = [

@@ -1,1 +1,15 @@
 """Deformations: what holds and moves an object, and what becomes of it."""
+
+from . import (
+    bake_operator,
+    constraint_operators,
+    constraints,
+    deform_operator,
+    live_operator,
+    panel,
+    verb,
+)
+
+FILES = (constraints, constraint_operators, deform_operator, live_operator, bake_operator, panel)
+VERBS = (verb.Deform(),)
+FORGET = (live_operator.end,)

@@ -18,11 +18,6 @@ from .constraints import deformation_of, followed_by
 from .deform import Deformable, is_same_metric, metric_of
 
 
-def frames_of(start: int, end: int, step: int) -> list[int]:
-    """Every ``step``-th frame from the first on, and the last one."""
-    return sorted({*range(start, end + 1, step), end})
-
-
 def prepare(
     obj: bpy.types.Object, frames: Sequence[int], progress: Callable[[float], None]
 ) -> tuple[Deformable, list[np.ndarray], spectral_tv.Deformer]:

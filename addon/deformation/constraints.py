@@ -1,19 +1,21 @@
 """What holds and moves an object in a deformation: kept in the file, on the object."""
 
 from contextlib import suppress
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 from bpy.props import (
     CollectionProperty,
     EnumProperty,
-    FloatProperty,
     FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
 )
 
+from ..options.declaring import Only, choice, number
+from ..options.properties import choices_of
 from ..scene.fingerprints import Fingerprint
 from ..scene.objects import Refusal
 from ..scene.places import Followed, is_in_a_scene, kept_up, matrix_of
@@ -80,17 +82,14 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
         name="Kind", description="Where the vertices go", items=KINDS, update=_changed
     )
     target: PointerProperty(
-        type=bpy.types.Object,
-        name="Object",
+        type=bpy.types.Object, name="Object",
         description="The object that the vertices follow, from where it is now",
-        update=_followed_changed,
-        poll=_can_be_followed,
-    )
+        update=_followed_changed, poll=_can_be_followed
+    )  # fmt: skip
     bone: StringProperty(
-        name="Bone",
-        description="The bone that the vertices follow, from where it is now",
-        update=_followed_changed,
-    )
+        name="Bone", description="The bone that the vertices follow, from where it is now",
+        update=_followed_changed
+    )  # fmt: skip
     shape_key: StringProperty(
         name="Shape Key", description="The shape key that says where the vertices go"
     )
@@ -162,27 +161,26 @@ class SpectralTVBakedKey(Fingerprint, bpy.types.PropertyGroup):
     """A shape key of one frame."""
 
 
-class DeformationProperties:
+@dataclass(frozen=True)
+class Settings:
     """How the unconstrained vertices follow."""
 
-    algorithm: EnumProperty(
-        name="Algorithm", description="How the others follow", items=ALGORITHMS, default="CONVEX"
-    )
-    softness: FloatProperty(
-        name="Softness",
-        description="Width of the stretched zone, relative to the object's size. At 0 a narrow "
-        "place stretches within a ring of faces",
-        subtype="PERCENTAGE",
-        default=5,
-        min=0,
-        soft_max=30,
-        max=100,
-        precision=1,
-    )
+    algorithm: str = choice("Algorithm", "How the others follow", ALGORITHMS, place="follow")
+    softness: float = number(
+        "Softness",
+        "Width of the stretched zone, relative to the object's size. At 0 a narrow place "
+        "stretches within a ring of faces", 5, 0, 100, soft_most=30, unit="PERCENTAGE", digits=1,
+        applies=Only("algorithm", ["CONVEX"]), dims=True, place="follow", refused=True
+    )  # fmt: skip
 
 
-class SpectralTVDeformation(Fingerprint, DeformationProperties, bpy.types.PropertyGroup):
+DeformationChoices = choices_of(Settings)
+
+
+class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyGroup):
     """The constraints of an object, and the fingerprint of the shape key they lead to."""
+
+    owner = bpy.types.Object, "spectral_tv"
 
     constraints: CollectionProperty(type=SpectralTVConstraint)
     active: IntProperty(name="Constraint", description="The chosen constraint")
@@ -195,13 +193,9 @@ class SpectralTVDeformation(Fingerprint, DeformationProperties, bpy.types.Proper
     bake_step: IntProperty(
         name="Step",
         description="Frames from one baked shape key to the next; the last frame always has one",
-        default=1,
-        min=1,
-    )
+        default=1, min=1
+    )  # fmt: skip
     baked: CollectionProperty(type=SpectralTVBakedKey)
-
-
-CLASSES = (SpectralTVConstraint, SpectralTVBakedKey, SpectralTVDeformation)
 
 
 def deformation_of(obj: bpy.types.Object) -> SpectralTVDeformation:
@@ -244,17 +238,3 @@ def chosen(obj: bpy.types.Object) -> SpectralTVConstraint | None:
     if 0 <= deformation.active < len(deformation.constraints):
         return deformation.constraints[deformation.active]
     return None
-
-
-def register() -> None:
-    """Register the properties, on every object."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Object.spectral_tv = PointerProperty(type=SpectralTVDeformation)
-
-
-def unregister() -> None:
-    """Unregister the properties; files keep what they hold."""
-    del bpy.types.Object.spectral_tv
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

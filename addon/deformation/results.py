@@ -5,13 +5,14 @@ them is the user's. Either the one or the others are seen: all hold what the con
 and would add up.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
 from ..scene.animation import animation_of
+from ..scene.applying import FOLLOWERS
 from ..scene.fingerprints import Fingerprint, Likeness, digests, names, recognise
 from ..scene.notes import note
 from ..scene.shape_keys import add_displacements, set_displacement
@@ -98,18 +99,20 @@ def write(obj: bpy.types.Object, displacement: np.ndarray) -> bpy.types.ShapeKey
     return key
 
 
-def known_names(obj: bpy.types.Object) -> dict[int, str]:
-    """Names of the keys that hold deformations, by their places in the record."""
-    found = Known.of(obj).found
-    return {place: key.name for place, key in enumerate(found) if key is not None}
+def follow(obj: bpy.types.Object) -> Callable[[], None]:
+    """Note which keys hold deformations; the function returned takes their fingerprints anew."""
+    names = [None if key is None else key.name for key in Known.of(obj).found]
+
+    def renew() -> None:
+        for each, name in zip(_prints(obj), names, strict=True):
+            if name is not None:
+                each.take(obj, "KEY", name)
+        deformation_of(obj).vertex_count = len(obj.data.vertices)
+
+    return renew
 
 
-def renew(obj: bpy.types.Object, names: Mapping[int, str]) -> None:
-    """Take the fingerprints anew of keys, by their places in the record, that are now called so."""
-    prints = _prints(obj)
-    for place, name in names.items():
-        prints[place].take(obj, "KEY", name)
-    deformation_of(obj).vertex_count = len(obj.data.vertices)
+FOLLOWERS.append(follow)
 
 
 def keep(keys: Sequence[bpy.types.ShapeKey]) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .faces import Faces
+from .torn import number
 
-NAN = float("nan")
 # So many lines are parsed at once.
 SOME = 1 << 16
 
@@ -144,14 +144,7 @@ def _numbers(rows: list[list[bytes]]) -> NDArray[np.float64]:
         return np.array(rows, dtype="S").reshape(-1, 3).astype(np.float64)
     except ValueError:
         full = ([*row, b"", b"", b""][:3] for row in rows)
-        return np.array([[_number(word) for word in row] for row in full])
-
-
-def _number(word: bytes) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        return NAN
+        return np.array([[number(word) for word in row] for row in full])
 
 
 def _indices(words: list[bytes], counts: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -171,10 +164,10 @@ def _indices(words: list[bytes], counts: NDArray[np.int64]) -> NDArray[np.int64]
 def _whole(word: bytes) -> int:
     """A number as small as a vertex may have; 0 for all else."""
     try:
-        number = int(word)
+        found = int(word)
     except ValueError:
         return 0
-    return number if abs(number) < 1 << 40 else 0
+    return found if abs(found) < 1 << 40 else 0
 
 
 def _text(name: bytes) -> str:

@@ -37,7 +37,7 @@ def set_jpeg_resolution(path: Path, resolution: tuple[float, float]) -> None:
 
 
 def set_exr_meaning(path: Path, meaning: dict[str, tuple[bytes, bytes]]) -> None:
-    """Exchange those attributes of an OpenEXR file that say what its colours mean.
+    """Exchange those attributes of an OpenEXR file that say what its colors mean.
 
     ``meaning`` has types and values by name. Raises OSError.
     """

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .faces import Faces
+from .torn import number
 
 HEAD = 84
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -34,7 +35,7 @@ def points(path: Path) -> NDArray[np.float64]:
         for line in file:
             words = line.split()
             if words[:1] == [b"vertex"]:
-                found.append([_number(word) for word in [*words[1:4], b"", b"", b""][:3]])
+                found.append([number(word) for word in [*words[1:4], b"", b"", b""][:3]])
     return np.array(found, dtype=np.float64).reshape(-1, 3)
 
 
@@ -45,10 +46,3 @@ def faces(corners: NDArray[np.float64]) -> Faces:
     _, places = np.unique(single, axis=0, return_inverse=True)
     count = len(corners) // 3
     return Faces(np.full(count, 3), places.reshape(-1)[: 3 * count].astype(np.int64), len(corners))
-
-
-def _number(word: bytes) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        return float("nan")

@@ -1,6 +1,6 @@
 """Writing TIFF files.
 
-Blender writes none with floats or with grey and alpha, and takes straight colours of 16 bits for
+Blender writes none with floats or with grey and alpha, and takes straight colors of 16 bits for
 premultiplied ones.
 """
 
@@ -27,7 +27,7 @@ class Meaning:
     """What the channels are, and what else the file tells."""
 
     has_alpha: bool
-    # Whether colours are multiplied by alpha.
+    # Whether colors are multiplied by alpha.
     is_associated: bool
     # Pixels per metre, across and down.
     resolution: tuple[float, float] | None = None

@@ -1,5 +1,6 @@
 """Images: their pixels read, split into bands, filtered, and written as new images."""
 
-from . import properties
+from . import operator, panel, properties, results, verb
 
-register, unregister = properties.register, properties.unregister
+FILES = (results, properties, operator, panel)
+VERBS = (verb.Filter(),)

@@ -5,32 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 import spectral_tv
 
-from ..filters.filtering import filter_values
+from ..bands.filtering import filter_values
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from .flows import Request, Still, contrast_of
 from .pixels import Pixels
-
-
-@dataclass(frozen=True)
-class Choice:
-    """What the user chose; sizes are in pixels. See ImageProperties."""
-
-    result: str
-    metric: str
-    height: float
-    channels: str
-    exact: bool
-    finest: float
-    largest: float
-    bands: int
-    steps: int
-    preset: str
-    first: int
-    last: int
-    amount: float
-    gains: str
-    keep_rest: bool
+from .settings import Settings
 
 
 @dataclass(frozen=True)
@@ -40,34 +20,34 @@ class Prepared:
     pixels: Pixels
     request: Request
 
-    def bands(self, flow: spectral_tv.Flow | Still, choice: Choice) -> np.ndarray:
-        """What each band changes in the colours, (K, H, W, C)."""
-        return self.request.bands(flow, choice.bands)
+    def bands(self, flow: spectral_tv.Flow | Still, settings: Settings) -> np.ndarray:
+        """What each band changes in the colors, (K, H, W, C)."""
+        return self.request.bands(flow, settings.bands)
 
 
-def prepare(pixels: Pixels, choice: Choice) -> Prepared:
+def prepare(pixels: Pixels, settings: Settings) -> Prepared:
     """Find what is to flow.
 
     Raises Refusal or spectral_tv.MeshError if the picture and the choice do not go together.
     """
-    if choice.bands >= choice.steps:
-        raise Refusal(f"{choice.bands} bands need more than {choice.steps} steps")
-    if choice.finest >= choice.largest:
+    if settings.bands >= settings.steps:
+        raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
+    if settings.finest >= settings.largest:
         raise Refusal("the finest size is not below the largest")
-    if choice.result == "FILTER":
-        filter_values(choice)  # refused now rather than after the work
+    if settings.result == "FILTER":
+        filter_values(settings)  # refused now rather than after the work
     pixels.require_finite()
-    values = pixels.luminance if choice.channels == "LUMINANCE" else pixels.colors
+    values = pixels.luminance if settings.channels == "LUMINANCE" else pixels.colors
     contrast = contrast_of(values, pixels.visible) or 1.0
     # In the plane a disc of the radius r that stands out by h is gone at h r/2.
-    ends = [contrast * size / 4 for size in (choice.finest, choice.largest)]
+    ends = [contrast * size / 4 for size in (settings.finest, settings.largest)]
     request = Request(
         values=values,
         visible=pixels.visible,
-        times=spectral_tv.graded_times(*ends, choice.steps),
-        metric=choice.metric.lower(),
-        height=choice.height,
-        scheme="exact" if choice.exact else "extrapolated",
+        times=spectral_tv.graded_times(*ends, settings.steps),
+        metric=settings.metric.lower(),
+        height=settings.height,
+        scheme="exact" if settings.exact else "extrapolated",
     )
     _tell(request)
     return Prepared(pixels, request)
@@ -86,26 +66,30 @@ def _tell(request: Request) -> None:
         note("as parts are transparent, the relief is of what its colors differ in most")
 
 
-def filtered(prepared: Prepared, choice: Choice, flow: spectral_tv.Flow | Still) -> Pixels:
+def filtered(prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still) -> Pixels:
     """The picture with its bands kept, removed or amplified."""
-    bands = prepared.bands(flow, choice)
-    return prepared.pixels.changed(np.tensordot(filter_values(choice), bands, axes=1))
+    bands = prepared.bands(flow, settings)
+    return prepared.pixels.changed(np.tensordot(filter_values(settings), bands, axes=1))
 
 
 def filtered_bands(
-    prepared: Prepared, choice: Choice, flow: spectral_tv.Flow | Still
+    prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
 ) -> np.ndarray:
     """What is left of the bands alone, without the rest, as it is in what is stored (H, W, C)."""
-    gains = 1 + np.array(filter_values(choice))
-    return prepared.pixels.stored_change(np.tensordot(gains, prepared.bands(flow, choice), axes=1))
+    gains = 1 + np.array(filter_values(settings))
+    return prepared.pixels.stored_change(
+        np.tensordot(gains, prepared.bands(flow, settings), axes=1)
+    )
 
 
 def parts(
-    prepared: Prepared, choice: Choice, flow: spectral_tv.Flow | Still
+    prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
 ) -> tuple[np.ndarray, np.ndarray]:
     """The bands (K, H, W, C) and the rest (H, W, 3), which add up to what is stored.
 
-    Of luminance the bands are grey, and the rest has the colours.
+    Of luminance the bands are grey, and the rest has the colors.
     """
-    bands = np.stack([prepared.pixels.stored_change(each) for each in prepared.bands(flow, choice)])
+    bands = np.stack(
+        [prepared.pixels.stored_change(each) for each in prepared.bands(flow, settings)]
+    )
     return bands, prepared.pixels.stored[..., :3] - bands.sum(axis=0)

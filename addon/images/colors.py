@@ -14,6 +14,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..files.srgb import decoded, encoded
+
 SRGB = "sRGB"
 # What its conversions by Blender may be off by; it has fast ones, good for 8 bits.
 NEAR = 1e-3
@@ -57,29 +59,17 @@ def kind_of(space: str) -> Kind:
 
 
 def to_linear(values: np.ndarray, space: str) -> np.ndarray:
-    """Scene-linear values of colours (H, W, 3) in a color space."""
+    """Scene-linear values of colors (H, W, 3) in a color space."""
     if space == SRGB and _is_plain(_to_linear, decoded):
         return decoded(values)
     return _to_linear(values, space)
 
 
 def from_linear(values: np.ndarray, space: str) -> np.ndarray:
-    """Colours (H, W, 3) in a color space, of scene-linear values."""
+    """Colors (H, W, 3) in a color space, of scene-linear values."""
     if space == SRGB and _is_plain(_from_linear, encoded):
         return encoded(values)
     return _from_linear(values, space)
-
-
-def decoded(values: np.ndarray) -> np.ndarray:
-    """Linear values of sRGB (IEC 61966-2-1)."""
-    above = np.maximum(values, 0.04045)
-    return np.where(values <= 0.04045, values / 12.92, ((above + 0.055) / 1.055) ** 2.4)
-
-
-def encoded(values: np.ndarray) -> np.ndarray:
-    """SRGB (IEC 61966-2-1) of linear values."""
-    above = np.maximum(values, 0.0031308)
-    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * above ** (1 / 2.4) - 0.055)
 
 
 def _is_plain(ours, theirs) -> bool:

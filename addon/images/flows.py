@@ -44,11 +44,7 @@ class Request:
 
     def run(self, progress: Callable[[float], None]) -> spectral_tv.Flow | Still:
         """Run the flow."""
-        if self.is_still:
-            return STILL
-        if self.visible.all():
-            return spectral_tv.decompose_image(**self._arguments(), progress=progress)
-        return spectral_tv.flow(*self._of_mesh(), scheme=self.scheme, progress=progress)
+        return STILL if self.is_still else self.start().result(progress)
 
     def start(self) -> spectral_tv.Job:
         """Start it in a thread."""

@@ -1,7 +1,7 @@
 """The values of a picture that are worked on, and what becomes of them.
 
 They are as they are in a file: encoded for displays where the picture is, and proportional to light
-where that is scene-linear. Colours are those that alpha shows: where they are stored multiplied by
+where that is scene-linear. Colors are those that alpha shows: where they are stored multiplied by
 alpha they are divided by it. What changes is added to what was stored; so what does not change
 stays as it is, to the last bit.
 """
@@ -15,9 +15,9 @@ from ..scene.objects import Refusal
 
 # Of red, green and blue in luminance (ITU-R BT.709).
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-# From this opacity on, a colour is what a surface has rather than what it emits.
+# From this opacity on, a color is what a surface has rather than what it emits.
 MOSTLY = 0.5
-# What rounding may make of a colour, relative to it.
+# What rounding may make of a color, relative to it.
 ROUNDING = 1e-3
 
 
@@ -30,15 +30,15 @@ class Pixels:
     space: str
     # Whether alpha is how opaque a pixel is, rather than nothing or a channel like the others.
     has_alpha: bool
-    # Whether colours are stored multiplied by alpha.
+    # Whether colors are stored multiplied by alpha.
     is_associated: bool
 
     @cached_property
     def visible(self) -> np.ndarray:
-        """The pixels whose colours mean something, (H, W).
+        """The pixels whose colors mean something, (H, W).
 
         That is not so where alpha is 0. Nor where light is added without covering what is behind,
-        as by fire: there a colour multiplied by alpha exceeds by far what alpha shows elsewhere.
+        as by fire: there a color multiplied by alpha exceeds by far what alpha shows elsewhere.
         """
         alpha = self.stored[..., 3]
         if not self.has_alpha:
@@ -66,7 +66,7 @@ class Pixels:
 
     @property
     def luminance(self) -> np.ndarray:
-        """Of colours, (H, W, 1)."""
+        """Of colors, (H, W, 1)."""
         if self.colors.shape[2] != len(LUMINANCE):
             return self.colors
         return (self.colors @ LUMINANCE)[..., np.newaxis]
@@ -86,21 +86,21 @@ class Pixels:
             )
 
     def stored_change(self, change: np.ndarray) -> np.ndarray:
-        """What a change of the colours (H, W, C) is in what is stored."""
+        """What a change of the colors (H, W, C) is in what is stored."""
         if self.is_associated and self.has_alpha:
             return change * self.stored[..., 3:]
         return change
 
     def changed(self, change: np.ndarray) -> "Pixels":
-        """The same with its colours changed by (H, W, C)."""
+        """The same with its colors changed by (H, W, C)."""
         stored = self.stored.copy()
         stored[..., :3] += self.stored_change(change)
         return replace(self, stored=stored)
 
     def associated(self, is_associated: bool) -> "Pixels":
-        """The same with its colours multiplied by alpha, or not.
+        """The same with its colors multiplied by alpha, or not.
 
-        Colours under alpha 0 stay if they come to be divided by it, and else become 0.
+        Colors under alpha 0 stay if they come to be divided by it, and else become 0.
         """
         if not self.has_alpha or is_associated == self.is_associated:
             return replace(self, is_associated=is_associated)

@@ -47,7 +47,7 @@ class Picture:
 
 
 def read_picture(path: Path, space: str | None = None) -> Picture:
-    """Read a picture; its colours are in the space of that name, or in that Blender assumes.
+    """Read a picture; its colors are in the space of that name, or in that Blender assumes.
 
     What is in the file and is not kept is noted. Raises Refusal if it cannot be read, and OSError.
     """

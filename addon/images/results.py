@@ -12,11 +12,12 @@ import numpy as np
 import spectral_tv
 from bpy.props import PointerProperty, StringProperty
 
-from ..scene.contents import digest
+from ..scene.documents import written_digest
 from ..scene.notes import note
-from .bands import Choice, Prepared, filtered, filtered_bands, parts
+from .bands import Prepared, filtered, filtered_bands, parts
 from .flows import Still
 from .pixels import Pixels
+from .settings import Settings
 
 BAND, REST, FILTERED = "Band", "Rest", "Filtered"
 # Bytes that the names of images may have in all versions.
@@ -46,29 +47,26 @@ def source_of(image: bpy.types.Image) -> bpy.types.Image | None:
 
 
 def write(
-    source: bpy.types.Image,
-    prepared: Prepared,
-    choice: Choice,
-    flow: spectral_tv.Flow | Still,
+    source: bpy.types.Image, prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
 ) -> list[str]:
     """Write what was chosen as images beside the source; returns their names."""
-    if choice.result == "BANDS":
-        bands, rest = parts(prepared, choice, flow)
+    if settings.result == "BANDS":
+        bands, rest = parts(prepared, settings, flow)
         written = [
             _write_data(source, f"{BAND} {number}", band)
             for number, band in enumerate(bands, start=1)
         ]
         written.append(_write_data(source, REST, rest))
         _remove_surplus(source, {image.spectral_tv.label for image in written})
-    elif choice.keep_rest:
-        written = [_write_colors(source, FILTERED, filtered(prepared, choice, flow))]
+    elif settings.keep_rest:
+        written = [_write_colors(source, FILTERED, filtered(prepared, settings, flow))]
     else:
-        written = [_write_data(source, FILTERED, filtered_bands(prepared, choice, flow))]
+        written = [_write_data(source, FILTERED, filtered_bands(prepared, settings, flow))]
     return [image.name for image in written]
 
 
 def _write_data(source: bpy.types.Image, label: str, values: np.ndarray) -> bpy.types.Image:
-    """Write values (H, W, C) that are no colours, as they may be negative."""
+    """Write values (H, W, C) that are no colors, as they may be negative."""
     image = _target(source, label, is_float=True)
     image.colorspace_settings.is_data = True
     image.alpha_mode = "PREMUL"
@@ -79,7 +77,7 @@ def _write_data(source: bpy.types.Image, label: str, values: np.ndarray) -> bpy.
 
 
 def _write_colors(source: bpy.types.Image, label: str, pixels: Pixels) -> bpy.types.Image:
-    """Write a picture in the depth, the colour space and the alpha of its source."""
+    """Write a picture in the depth, the color space and the alpha of its source."""
     image = _target(source, label, source.is_float)
     image.colorspace_settings.name = pixels.space
     stored = pixels.stored
@@ -100,13 +98,13 @@ def _write_colors(source: bpy.types.Image, label: str, pixels: Pixels) -> bpy.ty
 def _fill(source: bpy.types.Image, label: str, image: bpy.types.Image, stored: np.ndarray) -> None:
     image.pixels.foreach_set(np.ascontiguousarray(stored, dtype=np.float32).ravel())
     image.pack()
-    image.buffers_free()  # read anew, in its colour space
+    image.buffers_free()  # read anew, in its color space
     image.update()
     image.spectral_tv.source, image.spectral_tv.label = source, label
     records = [each for each in _records() if each.image == image]  # copies of scenes have copies
     for each in records or [bpy.context.scene.spectral_tv_images.results.add()]:
         each.image, each.source, each.label = image, source, label
-        each.digest = _digest(image)
+        each.digest = written_digest(image)
 
 
 def _target(source: bpy.types.Image, label: str, is_float: bool) -> bpy.types.Image:
@@ -153,23 +151,14 @@ def _own(source: bpy.types.Image, labels: Collection[str]) -> dict[str, bpy.type
             if each.image is None:
                 results.remove(place)
             elif each.source == source and each.label in labels:
-                if each.image.spectral_tv.source == source and _is_untouched(each):
+                if each.image.spectral_tv.source == source and (
+                    written_digest(each.image) == each.digest
+                ):
                     found[each.label] = each.image
                 else:
                     note(f"{each.image.name!r} was changed since, and is kept")
                     results.remove(place)
     return found
-
-
-def _is_untouched(record: SpectralTVImageResult) -> bool:
-    image = record.image
-    if image.library is not None or image.is_dirty or image.packed_file is None:
-        return False
-    return _digest(image) == record.digest
-
-
-def _digest(image: bpy.types.Image) -> str:
-    return digest(np.frombuffer(image.packed_file.data, dtype=np.uint8))
 
 
 def _records() -> list[SpectralTVImageResult]:

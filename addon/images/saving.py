@@ -62,7 +62,7 @@ def save_picture(
 ) -> None:
     """Save a picture in the format of the path's suffix, and make sure of what was written.
 
-    Colours are converted where the format holds others: to scene-linear ones in OpenEXR, from
+    Colors are converted where the format holds others: to scene-linear ones in OpenEXR, from
     linear ones of floats to sRGB in 8 and 16 bits. What cannot be kept is noted. Raises Refusal,
     Torn if the file was cut short, RuntimeError if Blender cannot write it, and OSError.
     """
@@ -88,7 +88,7 @@ def save_picture(
 
 
 def _of_space(picture: Picture, target: Target) -> Pixels:
-    """The picture in a colour space that the format holds by convention."""
+    """The picture in a color space that the format holds by convention."""
     pixels = picture.pixels
     kind = colors.kind_of(pixels.space)
     if target.form.is_linear and picture.header.format != "OpenEXR" and kind is Kind.ENCODED:
@@ -106,7 +106,7 @@ def _of_space(picture: Picture, target: Target) -> Pixels:
 
 
 def _of_alpha(pixels: Pixels, target: Target, holds_alpha: bool) -> Pixels:
-    """The picture with its alpha and its colours as the format has them."""
+    """The picture with its alpha and its colors as the format has them."""
     if not pixels.has_alpha:
         return pixels
     alpha = pixels.stored[..., 3]
@@ -167,7 +167,7 @@ def _channels(picture: Picture, pixels: Pixels, target: Target) -> str:
 
 
 def _profile(picture: Picture, target: Target, channels: str, is_converted: bool) -> bytes | None:
-    """The colour profile to write; it is noted if what it says is lost."""
+    """The color profile to write; it is noted if what it says is lost."""
     profile = picture.header.profile
     if profile is None:
         return None
@@ -228,7 +228,7 @@ def _save_by_blender(
 def _add_tags(
     picture: Picture, pixels: Pixels, target: Target, is_converted: bool, profile: bytes | None
 ) -> None:
-    """Add what Blender does not write, and what it says of colours that it did not know."""
+    """Add what Blender does not write, and what it says of colors that it did not know."""
     if profile is not None:
         picture_tags.add_profile(target.path, profile)
     resolution = picture.header.resolution

@@ -5,8 +5,6 @@ from typing import Any
 
 import spectral_tv
 
-from ..decomposition.settings import Settings
-
 # What is worth saying before the button is pressed: seconds, and the part of the memory.
 LONG = 5.0
 LARGE_PART = 0.25
@@ -41,27 +39,10 @@ class Needs:
         return f"{about} {_time(self.seconds)}, {_memory(self.bytes)} of memory"
 
 
-def of_meshes(settings: Settings, *counts: int) -> Needs:
-    """What decomposing meshes of so many vertices takes."""
-    arguments = settings.method_arguments(None, None)
-    if settings.is_adaptive:
-        arguments["accuracy"] = settings.accuracy
-    arguments |= {"steps": settings.steps, "eigenpairs": settings.eigenpairs}
-    return _sum(
-        [spectral_tv.estimate(count, **arguments) for count in counts], settings.is_adaptive
-    )
-
-
-def of_accuracy(method: str, count: int, steps: int) -> Needs:
-    """What measuring the accuracy takes, on so many vertices."""
-    # A flow with eight times as many steps; of all, half and a quarter of them two kinds.
-    return of_meshes(Settings(method=method, steps=11 * steps), count)
-
-
 def of_values(count: int, steps: int, *, exact: bool) -> Needs:
     """What a flow of values at so many vertices takes; that of three functions."""
     scheme: Any = "exact" if exact else "extrapolated"
-    return _sum([spectral_tv.estimate(count, "m1", steps=steps, scheme=scheme)])
+    return total([spectral_tv.estimate(count, "m1", steps=steps, scheme=scheme)])
 
 
 def of_image(pixels: int, steps: int, *, exact: bool) -> Needs:
@@ -69,7 +50,8 @@ def of_image(pixels: int, steps: int, *, exact: bool) -> Needs:
     return replace(of_values(pixels, steps, exact=exact), smaller="a smaller image")
 
 
-def _sum(found: list[spectral_tv.Estimate], is_least: bool = False) -> Needs:
+def total(found: list[spectral_tv.Estimate], is_least: bool = False) -> Needs:
+    """What several take together."""
     return Needs(
         bytes=sum(each.bytes for each in found),
         available=found[0].available,

@@ -1,14 +1,18 @@
 """The one job that may run: work in a native thread, on copies, that never touches Blender."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import bpy
 import spectral_tv
 
 from ..scene.contents import digest, topology_digest
 from ..scene.coordinates import basis_coordinates
+from ..scene.objects import Refusal, distinct_meshes, refusal
+from . import faults
+
+T = TypeVar("T")
 
 
 class Chain:
@@ -68,8 +72,14 @@ class Chain:
         """Ask the one that runs to stop."""
         self._job.cancel()
 
-    def result(self) -> Any:
-        """Return the last one's result, or all; raises what the one that failed raised."""
+    def result(self, progress: Callable[[float], None] | None = None) -> Any:
+        """Wait, and return the last one's result, or all; raises what the one that failed raised.
+
+        ``progress`` takes the fraction done.
+        """
+        told = None if progress is None else lambda _fraction: progress(self.progress)
+        while not self.done:
+            self._job.result(told)
         if self._last is None and len(self._results) == len(self._starts):
             return self._results
         return self._job.result()
@@ -111,3 +121,41 @@ def finish() -> None:
 def state_of(obj: bpy.types.Object) -> str:
     """Digest of all of an object that a result depends on."""
     return topology_digest(obj.data) + digest(basis_coordinates(obj.data))
+
+
+@dataclass(frozen=True)
+class Seen:
+    """An object by its name, and what it was like when it was read."""
+
+    name: str
+    state: str
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> "Seen":
+        """Look at ``obj``."""
+        return cls(obj.name, state_of(obj))
+
+    def again(self) -> bpy.types.Object | None:
+        """The object, if it is as it was."""
+        obj = bpy.data.objects.get(self.name)
+        return None if refusal(obj) is not None or state_of(obj) != self.state else obj
+
+
+def unchanged(seen: Sequence[Seen]) -> tuple[list[bpy.types.Object | None], str]:
+    """The objects that are as they were, None for others, and a text that tells which are not."""
+    found = [each.again() for each in seen]
+    changed = [each.name for each, obj in zip(seen, found, strict=True) if obj is None]
+    text = f"; changed in the meantime and left as they are: {', '.join(changed)}"
+    return found, text if changed else ""
+
+
+def read_each(context: bpy.types.Context, read: Callable[[bpy.types.Object], T]) -> list[T]:
+    """What is read of each mesh that is selected; raises Refusal if one cannot be read."""
+    found = []
+    for obj in distinct_meshes(context):
+        try:
+            with faults.kept(obj):
+                found.append(read(obj))
+        except (Refusal, spectral_tv.MeshError, MemoryError) as error:
+            raise Refusal(f"{obj.name}: {error}") from error
+    return found

@@ -1,1 +1,5 @@
-"""What Blender holds: objects and their surfaces read, shape keys, records and segments written."""
+"""What Blender holds: objects and their surfaces read, shape keys, records and results written."""
+
+from . import documents, records, results
+
+FILES = (records, documents, results)

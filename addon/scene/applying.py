@@ -1,6 +1,6 @@
 """Applying modifiers to meshes with shape keys, which Blender refuses."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -8,6 +8,8 @@ import bmesh
 import bpy
 import numpy as np
 
+from . import results
+from .arrays import numbers
 from .contents import digest, topology_digest
 from .coordinates import coordinates
 from .notes import note
@@ -18,6 +20,11 @@ SIMULATIONS = (
     "CLOTH", "COLLISION", "DYNAMIC_PAINT", "EXPLODE", "FLUID", "OCEAN", "PARTICLE_INSTANCE",
     "PARTICLE_SYSTEM", "SOFT_BODY", "SURFACE",
 )  # fmt: skip
+
+
+# What has to follow vertices and faces that change. Each is called with the object before, and
+# what it returns is called afterwards.
+FOLLOWERS: list[Callable[[bpy.types.Object], Callable[[], None]]] = [results.follow]
 
 
 @dataclass(frozen=True)
@@ -109,8 +116,7 @@ def _check(name: str, key: str, basis: bpy.types.Mesh, other: bpy.types.Mesh) ->
 
 
 def _connections(mesh: bpy.types.Mesh) -> str:
-    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
-    mesh.edges.foreach_get("vertices", edges)
+    edges = numbers(mesh.edges, "vertices", 2)
     return topology_digest(mesh) + digest(edges)
 
 

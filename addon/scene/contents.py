@@ -5,6 +5,8 @@ import hashlib
 import bpy
 import numpy as np
 
+from .arrays import corner_vertices, polygon_starts
+
 # Of every type of attribute that has numbers: where its data are, how many, and their dtype.
 TYPES = {
     "FLOAT": ("value", 1, np.float32),
@@ -29,10 +31,8 @@ def attribute_values(attribute: bpy.types.Attribute) -> np.ndarray:
 
 def topology_digest(mesh: bpy.types.Mesh) -> str:
     """Digest of which vertices the polygons connect."""
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    starts = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    mesh.polygons.foreach_get("loop_start", starts)
+    corners = corner_vertices(mesh)
+    starts = polygon_starts(mesh)
     return digest(corners, starts)
 
 

@@ -3,11 +3,12 @@
 import bpy
 import numpy as np
 
+from .arrays import corner_vertices, numbers, polygon_starts
+
 
 def coordinates(data: bpy.types.bpy_prop_collection) -> np.ndarray:
     """Flat float32 coordinates of vertices or shape key points."""
-    flat = np.empty(3 * len(data), dtype=np.float32)
-    data.foreach_get("co", flat)
+    flat = numbers(data, "co", 3, dtype=np.float32)
     return flat
 
 
@@ -39,8 +40,7 @@ def triangles(mesh: bpy.types.Mesh, shape: np.ndarray | None = None) -> np.ndarr
         finally:
             bpy.data.meshes.remove(bent)
     mesh.calc_loop_triangles()
-    corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", corners)
+    corners = numbers(mesh.loop_triangles, "vertices", 3)
     return corners.reshape(-1, 3)
 
 
@@ -51,10 +51,8 @@ def _bent(mesh: bpy.types.Mesh, shape: np.ndarray) -> bpy.types.Mesh:
     bent.loops.add(len(mesh.loops))
     bent.polygons.add(len(mesh.polygons))
     bent.vertices.foreach_set("co", shape.astype(np.float32).ravel())
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    starts = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    mesh.polygons.foreach_get("loop_start", starts)
+    corners = corner_vertices(mesh)
+    starts = polygon_starts(mesh)
     bent.loops.foreach_set("vertex_index", corners)
     bent.polygons.foreach_set("loop_start", starts)
     return bent

@@ -48,7 +48,7 @@ def _own(mesh: bpy.types.Mesh, role: str) -> Document | None:
         getattr(other.spectral_tv, role) == document for other in bpy.data.meshes if other != mesh
     ):
         return None
-    if _digest(document) != record.digest or document.library is not None:
+    if written_digest(document) != record.digest:
         kind = "text" if isinstance(document, bpy.types.Text) else "image"
         note(f"the {kind} {document.name!r} was changed since, and is kept")
         document.use_fake_user = True  # nothing else may use it
@@ -66,12 +66,15 @@ def _remember(mesh: bpy.types.Mesh, role: str, document: Document, name: str) ->
     if getattr(mesh.spectral_tv, role) == document and document.name == record.given:
         document.name = name
     setattr(mesh.spectral_tv, role, document)
-    record.digest, record.given = _digest(document), document.name
+    record.digest, record.given = written_digest(document), document.name
 
 
-def _digest(document: Document) -> str:
+def written_digest(document: Document) -> str:
+    """Digest of what was written into a document; none of what was changed since or is linked."""
+    if document.library is not None:
+        return ""
     if isinstance(document, bpy.types.Text):
         return digest(np.frombuffer(document.as_string().encode(), dtype=np.uint8))
-    pixels = np.empty(len(document.pixels), dtype=np.float32)
-    document.pixels.foreach_get(pixels)
-    return digest(np.array(document.size), pixels)
+    if document.is_dirty or document.packed_file is None:
+        return ""
+    return digest(np.frombuffer(document.packed_file.data, dtype=np.uint8))

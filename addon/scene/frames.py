@@ -14,6 +14,11 @@ def curve_time(scene: bpy.types.Scene, frame: float) -> float:
     return frame * scene.render.frame_map_old / scene.render.frame_map_new
 
 
+def every(start: int, end: int, step: int) -> list[int]:
+    """Every ``step``-th frame from the first on, and the last one."""
+    return sorted({*range(start, end + 1, step), end})
+
+
 @contextmanager
 def kept(scene: bpy.types.Scene) -> Iterator[None]:
     """Go back to the present frame in the end."""

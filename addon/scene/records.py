@@ -1,31 +1,29 @@
-"""What a mesh remembers of its decomposition: kept in the file, on the mesh's shape keys.
+"""What a mesh remembers of its decomposition, kept in the file.
 
 A record names the shape key of each band and has its fingerprint, so that bands are found again
 after keys were renamed, reordered or sculpted, and no other key is taken for one.
 """
 
-import bpy
-from bpy.props import (
-    BoolProperty,
-    CollectionProperty,
-    FloatProperty,
-    IntProperty,
-    StringProperty,
-)
+import uuid
 
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
+
+from .contents import topology_digest
 from .fingerprints import Fingerprint, Likeness, digests, recognise
+from .keeping import PLACES, Band, Keeping
 
 
 class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
     """One band: the shape key it is, and the times it covers."""
 
+    given: StringProperty(name="Given", description="The name that it was given")
     start: FloatProperty(name="Start", description="Time at which the band starts, length²")
     end: FloatProperty(name="End", description="Time at which the band ends, length²")
     was_muted: BoolProperty(
-        name="Was Muted",
-        description="Before another band was soloed",
-        override={"LIBRARY_OVERRIDABLE"},
-    )
+        name="Was Muted", description="Before another band was soloed",
+        override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
 
 
 class SpectralTVSample(bpy.types.PropertyGroup):
@@ -38,7 +36,11 @@ class SpectralTVSample(bpy.types.PropertyGroup):
 class SpectralTVRecord(bpy.types.PropertyGroup):
     """The last decomposition of a mesh."""
 
+    # Of 0.1.0; today a mark of the block, see keeping.
+    owner = bpy.types.Key, "spectral_tv", "LIBRARY_OVERRIDABLE"
+
     identifier: StringProperty(name="Identifier", description="Of the flow, while it is in memory")
+    kept: StringProperty(name="Kept", description="Where the bands are", default="KEYS")
     method: StringProperty(name="Method")
     settings: StringProperty(name="Settings", description="What it was decomposed by, as JSON")
     area: FloatProperty(name="Area", description="Of the surface in world space, length²")
@@ -46,39 +48,56 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     vertex_count: IntProperty(name="Vertices")
     corner_count: IntProperty(name="Face Corners")
     solo: IntProperty(
-        name="Solo",
-        description="The band that is heard alone, from 1; 0 if none is",
-        override={"LIBRARY_OVERRIDABLE"},
-    )
+        name="Solo", description="The band that is heard alone, from 1; 0 if none is",
+        override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
     bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
     spectrum: CollectionProperty(type=SpectralTVSample)
 
 
-CLASSES = (SpectralTVBand, SpectralTVSample, SpectralTVRecord)
-
-
 def record_of(obj: bpy.types.Object | None) -> SpectralTVRecord | None:
     """The record of a mesh object's decomposition, or None."""
-    if obj is None or obj.type != "MESH" or obj.data.shape_keys is None:
+    if obj is None or obj.type != "MESH":
         return None
-    record = obj.data.shape_keys.spectral_tv
-    return record if record.bands else None
-
-
-def band_keys(obj: bpy.types.Object) -> list[bpy.types.ShapeKey | None]:
-    """The shape key of every band, None for those that were deleted."""
-    blocks = obj.data.shape_keys.key_blocks
-    return [blocks[name] if name else None for name, _ in recognise_bands(obj)]
-
-
-def bands_shown(obj: bpy.types.Object) -> list[bpy.types.ShapeKey | None]:
-    """The same for panels, which ask at every redraw: known again only when names change."""
+    record = obj.data.spectral_tv.decomposition
+    if record.bands:
+        return record if keeping_of(record).is_marked(obj, record.identifier) else None
     keys = obj.data.shape_keys
-    question = (keys.session_uid, keys.spectral_tv.identifier, *keys.key_blocks.keys())
+    if keys is not None and keys.spectral_tv.bands:  # of 0.1.0
+        return keys.spectral_tv
+    return None
+
+
+def keeping_of(record: SpectralTVRecord) -> Keeping:
+    """Where its bands are kept."""
+    return PLACES[record.kept]
+
+
+def new_identity(obj: bpy.types.Object, record: SpectralTVRecord) -> None:
+    """Have a record be of no flow so far, and of the vertices and faces that there are."""
+    record.identifier = uuid.uuid4().hex
+    if record.id_data == obj.data:
+        keeping_of(record).mark(obj, record.identifier)
+    record.topology = topology_digest(obj.data)
+    record.vertex_count = len(obj.data.vertices)
+    record.corner_count = len(obj.data.loops)
+
+
+def bands_of(obj: bpy.types.Object) -> list[Band | None]:
+    """The bands, None for those that were deleted."""
+    there = keeping_of(record_of(obj)).all(obj)
+    return [there[name] if name else None for name, _ in recognise_bands(obj)]
+
+
+def bands_shown(obj: bpy.types.Object) -> list[Band | None]:
+    """The same for panels, which ask at every redraw: known again only when names change."""
+    record = record_of(obj)
+    there = keeping_of(record).all(obj)
+    question = (obj.data.session_uid, record.identifier, *there.keys())
     if question not in _shown:
         _shown.clear()
         _shown[question] = [name for name, _ in recognise_bands(obj)]
-    return [keys.key_blocks[name] if name else None for name in _shown[question]]
+    return [there[name] if name else None for name in _shown[question]]
 
 
 # The last answer.
@@ -86,37 +105,23 @@ _shown: dict[tuple, list[str]] = {}
 
 
 def recognise_bands(obj: bpy.types.Object) -> list[tuple[str, Likeness]]:
-    """The name of every band's key today, "" if it was deleted; and how like the band it is."""
-    return recognise(obj, "KEY", obj.data.shape_keys.spectral_tv.bands, any_copy=True)
+    """The name of every band today, "" if it was deleted; and how like the band it is."""
+    record = record_of(obj)
+    return recognise(obj, keeping_of(record).written, record.bands, any_copy=True)
 
 
 def renew_bands(obj: bpy.types.Object) -> None:
-    """Follow what the keys of bands are called today, and what rounding made of them."""
-    bands = obj.data.shape_keys.spectral_tv.bands
-    for band, (name, likeness) in zip(bands, recognise_bands(obj), strict=True):
+    """Follow what bands are called today, and what rounding made of them."""
+    record = record_of(obj)
+    written = keeping_of(record).written
+    for band, (name, likeness) in zip(record.bands, recognise_bands(obj), strict=True):
         is_same = likeness == Likeness.SAME
-        if is_same and (name, digests(obj, "KEY", [name])[name]) != (band.key, band.digest):
-            band.take(obj, "KEY", name)
+        if is_same and (name, digests(obj, written, [name])[name]) != (band.key, band.digest):
+            band.take(obj, written, name)
 
 
 def topology_changed(obj: bpy.types.Object) -> bool:
     """Whether vertices or faces were added or removed since the decomposition."""
-    record = obj.data.shape_keys.spectral_tv
+    record = record_of(obj)
     counts = len(obj.data.vertices), len(obj.data.loops)
     return counts != (record.vertex_count, record.corner_count)
-
-
-def register() -> None:
-    """Register the properties, on the shape keys of every mesh."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Key.spectral_tv = bpy.props.PointerProperty(
-        type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"}
-    )
-
-
-def unregister() -> None:
-    """Unregister the properties; files keep what they hold."""
-    del bpy.types.Key.spectral_tv
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

@@ -18,6 +18,7 @@ from .fingerprints import Fingerprint, Likeness, names, recognise
 from .names import free_name, taken_names
 from .notes import note
 from .objects import Refusal
+from .records import SpectralTVRecord
 from .shape_keys import add_displacements, remove_key, set_displacement
 from .whole import whole
 
@@ -40,6 +41,9 @@ class SpectralTVResult(Fingerprint, bpy.types.PropertyGroup):
 class SpectralTVMesh(bpy.types.PropertyGroup):
     """What a mesh remembers of what was written on it and of it."""
 
+    owner = bpy.types.Mesh, "spectral_tv", "LIBRARY_OVERRIDABLE"
+
+    decomposition: PointerProperty(type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"})
     results: CollectionProperty(type=SpectralTVResult)
     table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
     picture: PointerProperty(type=bpy.types.Image, name="Picture", description="Of the same")
@@ -105,11 +109,16 @@ def written_names(obj: bpy.types.Object, written: str) -> list[str]:
     return [name or each.key for each, (name, _) in known if (name or each.key) in present]
 
 
-def renew(obj: bpy.types.Object, was: Mapping[int, str]) -> None:
-    """Take the fingerprints anew of results that are, by their places, now called so."""
-    for place, name in was.items():
-        each = obj.data.spectral_tv.results[place]
-        each.take(obj, each.written, name)
+def follow(obj: bpy.types.Object) -> Callable[[], None]:
+    """Note which results are there; the function returned takes their fingerprints anew."""
+    was = [pair for written in THINGS for pair in known(obj, written).items()]
+
+    def renew() -> None:
+        for place, name in was:
+            each = obj.data.spectral_tv.results[place]
+            each.take(obj, each.written, name)
+
+    return renew
 
 
 def known(obj: bpy.types.Object, written: str) -> dict[int, str]:
@@ -228,20 +237,3 @@ def _remember(
         each.kind, each.source, each.label = kind, source, label
         each.written = pieces[label].written
         each.take(obj, each.written, name)
-
-
-CLASSES = (SpectralTVResult, SpectralTVDocument, SpectralTVMesh)
-
-
-def register() -> None:
-    """Register the properties, on every mesh."""
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Mesh.spectral_tv = PointerProperty(type=SpectralTVMesh)
-
-
-def unregister() -> None:
-    """Unregister the properties; files keep what they hold."""
-    del bpy.types.Mesh.spectral_tv
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

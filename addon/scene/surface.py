@@ -58,10 +58,7 @@ class Surface:
 
     @classmethod
     def read(
-        cls,
-        obj: bpy.types.Object,
-        shape: np.ndarray | None = None,
-        reading: Reading | None = None,
+        cls, obj: bpy.types.Object, shape: np.ndarray | None = None, reading: Reading | None = None
     ) -> "Surface":
         """Read ``obj`` in a shape (V, 3) of its own, Basis if None; see `read_together`."""
         return cls.read_together([obj], [shape], reading)[0]

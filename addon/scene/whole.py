@@ -80,6 +80,8 @@ def _values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
         value = getattr(group, name)
         if declared.type == "COLLECTION":
             found[name] = [_values(each) for each in value]
+        elif isinstance(value, bpy.types.PropertyGroup):
+            found[name] = _values(value)
         else:
             found[name] = tuple(value) if getattr(declared, "is_array", False) else value
     return found
@@ -94,6 +96,8 @@ def _set_values(group: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
             collection.clear()
             for each in values[name]:
                 _set_values(collection.add(), each)
+        elif isinstance(values[name], dict):
+            _set_values(getattr(group, name), values[name])
         else:
             setattr(group, name, values[name])
 

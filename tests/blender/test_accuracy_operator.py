@@ -27,7 +27,7 @@ def values(obj, name) -> np.ndarray:
     return flat
 
 
-def colours(obj) -> np.ndarray:
+def colors(obj) -> np.ndarray:
     data = obj.data.attributes["M1 Error Color"].data
     flat = np.empty(4 * len(data), dtype=np.float32)
     data.foreach_get("color", flat)
@@ -71,13 +71,13 @@ def test_attributes_are_what_the_package_measures(sphere):
 def test_again_replaces_what_was_written_and_shows_another_error(sphere):
     bpy.ops.spectral_tv.measure_accuracy(bands=2, steps=8)
     names = [attribute.name for attribute in sphere.data.attributes]
-    first, text = colours(sphere), sphere.data.spectral_tv.accuracy
+    first, text = colors(sphere), sphere.data.spectral_tv.accuracy
     bpy.ops.spectral_tv.measure_accuracy(bands=2, steps=12, shown="PAPER_ALL_PASS")
     assert [attribute.name for attribute in sphere.data.attributes] == names
     assert sphere.data.spectral_tv.accuracy == text
     assert text.as_string().splitlines()[-1].startswith("12,")
     assert sphere.data.color_attributes.active_color.name == "M1 Error Color"
-    shown = colours(sphere)
+    shown = colors(sphere)
     assert np.abs(shown - first).max() > 0.1
     # The warmer, the larger.
     error = values(sphere, SCALARS[3])
@@ -145,7 +145,7 @@ def test_what_is_measured_is_what_the_bands_were_made_by():
 
 def test_bands_by_an_accuracy_are_measured_at_the_steps_that_were_taken(sphere):
     bpy.ops.spectral_tv.decompose(method="M2", bands=2, use_accuracy=True, accuracy=40)
-    steps = len(sphere.data.shape_keys.spectral_tv.spectrum) + 1
+    steps = len(sphere.data.spectral_tv.decomposition.spectrum) + 1
     bpy.ops.spectral_tv.measure_accuracy(of_bands=True)
     rows = [*csv.DictReader(io.StringIO(sphere.data.spectral_tv.accuracy.as_string()))]
     assert rows[-1]["Steps"] == str(steps)

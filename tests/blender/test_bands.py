@@ -92,7 +92,7 @@ def test_what_keeps_a_filter_from_being_seen_is_told(banded, capfd):
 @pytest.mark.parametrize("bands", [2, 3, 4, 5, 9])
 def test_every_preset_of_the_sidebar_does_something_as_it_stands(monkey, bands):
     bpy.ops.spectral_tv.decompose(bands=bands, steps=12)
-    gains = import_module(f"{EXTENSION}.filters.gains")
+    gains = import_module(f"{EXTENSION}.bands.gains")
     sidebar = bpy.context.scene.spectral_tv_filter
     assert 1 <= sidebar.first == sidebar.last <= bands
     for preset in ("LOW_PASS", "HIGH_PASS", "BAND_PASS", "BAND_STOP", "EXAGGERATE"):
@@ -278,8 +278,8 @@ def test_cutting_again_uses_the_same_flow(banded):
 
 
 def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
-    bands = import_module(f"{EXTENSION}.decomposition.bands")
-    settings = import_module(f"{EXTENSION}.decomposition.settings").Settings
+    bands = import_module(f"{EXTENSION}.bands.bands")
+    settings = import_module(f"{EXTENSION}.bands.settings").Settings
 
     bands.forget_flows()  # those of other tests
     bpy.ops.spectral_tv.decompose(bands=4, steps=12)
@@ -296,12 +296,12 @@ def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
 
 
 def test_the_spectrum_shows_the_bands_from_left_to_right(banded):
-    spectrum = import_module(f"{EXTENSION}.decomposition.spectrum")
-    record = banded.data.shape_keys.spectral_tv
+    spectrum = import_module(f"{EXTENSION}.bands.spectrum")
+    record = banded.data.spectral_tv.decomposition
     bottom = [tuple(pixel) for pixel in spectrum.picture(record)[0]]
-    colours = [tuple(np.float32(spectrum.colour(band, 4))) for band in range(4)]
-    seen = [pixel for pixel in bottom if pixel in colours]
-    assert [pixel for pixel, _ in groupby(seen)] == colours
+    colors = [tuple(np.float32(spectrum.color(band, 4))) for band in range(4)]
+    seen = [pixel for pixel in bottom if pixel in colors]
+    assert [pixel for pixel, _ in groupby(seen)] == colors
     assert spectrum.icon(record) == spectrum.icon(record)
 
 
@@ -336,7 +336,7 @@ def test_bands_survive_duplication_and_files(banded, tmp_path: Path):
     activate(loaded)
     bpy.ops.spectral_tv.filter(preset="RESET")
     assert loaded.data.shape_keys.key_blocks["Fine"].value == 0
-    assert [sample.strength > 0 for sample in loaded.data.shape_keys.spectral_tv.spectrum]
+    assert [sample.strength > 0 for sample in loaded.data.spectral_tv.decomposition.spectrum]
 
 
 def test_another_key_by_the_name_of_a_deleted_band_is_no_band(banded):
@@ -380,9 +380,17 @@ def test_bands_outlive_sculpting_of_basis_and_new_names(banded):
 
 
 def test_bands_of_a_file_of_0_1_0_are_known(banded):
-    """It kept names and digests, and no settings."""
-    record = banded.data.shape_keys.spectral_tv
-    record.settings = ""
+    """It kept names and digests, and no settings, on the shape keys."""
+    record, kept = banded.data.shape_keys.spectral_tv, banded.data.spectral_tv.decomposition
+    for name in ("identifier", "method", "area", "topology", "vertex_count", "corner_count"):
+        setattr(record, name, getattr(kept, name))
+    for sample in kept.spectrum:
+        same = record.spectrum.add()
+        same.time, same.strength = sample.time, sample.strength
+    for each in kept.bands:
+        band = record.bands.add()
+        band.key, band.digest, band.start, band.end = each.key, each.digest, each.start, each.end
+    kept.bands.clear()
     for band in record.bands:
         band.property_unset("sketch")
         band.property_unset("places")
@@ -394,6 +402,17 @@ def test_bands_of_a_file_of_0_1_0_are_known(banded):
     assert [key.value for key in keys][1:] == [-1, -1, -1, -1]
     assert bpy.ops.spectral_tv.measure_accuracy(of_bands=True) == {"FINISHED"}
     assert "M1 Error of Bands" in banded.data.attributes
+
+
+def test_bands_go_with_all_shape_keys(banded):
+    """Others that are added later are none of them."""
+    banded.shape_key_clear()
+    assert not bpy.ops.spectral_tv.filter.poll()
+    banded.shape_key_add(name="Basis")
+    banded.shape_key_add(name="M1 Band 1")
+    assert not bpy.ops.spectral_tv.filter.poll()
+    bpy.ops.spectral_tv.decompose(bands=2, steps=8)
+    assert bpy.ops.spectral_tv.filter.poll()
 
 
 def test_a_deleted_band_is_left_out(banded):
@@ -436,7 +455,7 @@ def test_scales_are_relative_to_the_size(monkey):
         monkey.scale = (scale,) * 3
         bpy.context.view_layer.update()
         bpy.ops.spectral_tv.decompose(bands=2, steps=6, use_scales=True, finest=1, largest=10)
-        kept = monkey.data.shape_keys.spectral_tv
+        kept = monkey.data.spectral_tv.decomposition
         record.append((kept.bands[1].end / kept.area, kept.area))
     assert record[0][0] == pytest.approx(record[1][0], rel=1e-4) == pytest.approx(0.01, rel=1e-4)
     assert record[1][1] == pytest.approx(100 * record[0][1], rel=1e-4)
@@ -468,10 +487,10 @@ def test_ticking_scales_or_smoothing_changes_nothing(method):
 
 def test_unset_scales_of_an_operator_are_the_methods_own(monkey):
     bpy.ops.spectral_tv.decompose(method="M2", bands=2, steps=6)
-    before = monkey.data.shape_keys.spectral_tv.identifier
-    times = [band.end for band in monkey.data.shape_keys.spectral_tv.bands]
+    before = monkey.data.spectral_tv.decomposition.identifier
+    times = [band.end for band in monkey.data.spectral_tv.decomposition.bands]
     bpy.ops.spectral_tv.decompose(method="M2", bands=2, steps=6, use_scales=True)
-    record = monkey.data.shape_keys.spectral_tv
+    record = monkey.data.spectral_tv.decomposition
     assert [band.end for band in record.bands] == times and record.identifier != before
     bpy.ops.spectral_tv.decompose(method="M2", bands=2, steps=6, use_scales=True, largest=20)
     assert record.bands[-1].end / record.area == pytest.approx(0.04, rel=1e-5)

@@ -80,7 +80,7 @@ def test_amplified_bands_stand_out_and_smoothed_ones_are_gone(poses):
 
 
 def test_bands_in_memory_are_not_flowed_again(poses):
-    bands = import_module(f"{MODULE}.decomposition.bands")
+    bands = import_module(f"{MODULE}.bands.bands")
     bands.forget_flows()
     bpy.ops.spectral_tv.caricature(bands=3, steps=8, smooth=0)
     flows = {id(flow.split) for flow in bands._flows.values()}

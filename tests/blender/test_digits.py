@@ -37,14 +37,14 @@ def terrain(offset: np.ndarray = MAP) -> tuple[np.ndarray, np.ndarray]:
 
 
 def write_ply(path: Path, order: str, kind: str = "double", offset: np.ndarray = MAP) -> Path:
-    """A PLY with colours, a label and a comment, in an order of bytes, or as text."""
+    """A PLY with colors, a label and a comment, in an order of bytes, or as text."""
     points, faces = terrain(offset)
     names = {"": "ascii", "<": "binary_little_endian", ">": "binary_big_endian"}
     kinds = [f"property {kind} {axis}\n" for axis in "xyz"]
-    colours = [f"property uchar {name}\n" for name in ("red", "green", "blue")]
+    colors = [f"property uchar {name}\n" for name in ("red", "green", "blue")]
     head = [
         f"ply\nformat {names[order]} 1.0\ncomment TextureFile hill.png\n",
-        f"element vertex {len(points)}\n", *kinds, *colours, "property int label\n",
+        f"element vertex {len(points)}\n", *kinds, *colors, "property int label\n",
         f"element face {len(faces)}\nproperty list uchar int vertex_indices\n",
         "property float quality\nend_header\n",
     ]  # fmt: skip
@@ -170,7 +170,7 @@ def test_filtered_relative_to_a_point_is_filtered_alike(tmp_path: Path):
 
 @pytest.mark.parametrize("kind", ["float", "double"])
 @pytest.mark.parametrize("order", ["<", ">", ""])
-def test_a_ply_keeps_its_kind_its_colours_and_its_comments(tmp_path: Path, capfd, order, kind):
+def test_a_ply_keeps_its_kind_its_colors_and_its_comments(tmp_path: Path, capfd, order, kind):
     source = write_ply(tmp_path / "scan.ply", order, kind, offset=0 * MAP)
     target = tmp_path / "out.ply"
     assert run(["decompose", str(source), "-o", str(target), *ALL_PASS]) == 0
@@ -181,10 +181,10 @@ def test_a_ply_keeps_its_kind_its_colours_and_its_comments(tmp_path: Path, capfd
     assert header.is_double == (kind == "double")
     assert b"comment TextureFile hill.png" in header.comments
     assert off(points_of(source), points_of(target)) < 1e-4
-    assert colours_and_labels(target) == colours_and_labels(source)
+    assert colors_and_labels(target) == colors_and_labels(source)
 
 
-def colours_and_labels(path: Path) -> list[tuple[int, ...]]:
+def colors_and_labels(path: Path) -> list[tuple[int, ...]]:
     header = ply.read_header(path)
     vertices = ply.find_vertices(path, header)
     data = path.read_bytes()[vertices.begin : vertices.end]

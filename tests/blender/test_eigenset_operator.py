@@ -47,7 +47,7 @@ def test_the_better_set_is_written_once(obj):
 
 
 def test_the_verdict_is_in_words():
-    verdict = import_module(f"{MODULE}.operators.eigenset").verdict
+    verdict = import_module(f"{MODULE}.attributes.eigenset").verdict
     mesh = spectral_tv.Mesh(VERTICES, FACES)
     half = verdict("Half", spectral_tv.eigenset_test(mesh, VERTICES[:, 2] > 0))
     assert half.startswith("'Half' is an eigenset: ")

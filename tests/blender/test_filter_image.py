@@ -28,7 +28,7 @@ def stored(image: bpy.types.Image) -> np.ndarray:
 
 
 def discs(is_float: bool, name: str = "Photo") -> bpy.types.Image:
-    """A large and a small disc of different colours on grey, half transparent on the left."""
+    """A large and a small disc of different colors on grey, half transparent on the left."""
     width, height = SIDE
     y, x = np.mgrid[:height, :width]
     pixels = np.full((height, width, 4), 0.25, dtype=np.float32)
@@ -186,7 +186,7 @@ def test_the_job_of_a_window_is_polled_and_notices_changes():
     results = import_module(f"{MODULE}.images.results")
     sources = import_module(f"{MODULE}.images.sources")
     image = discs(True)
-    choice = bpy.context.scene.spectral_tv_images.choice()
+    choice = bpy.context.scene.spectral_tv_images.settings()
     prepared = bands.prepare(sources.read(image), choice)
     jobs.start(prepared.request.start(), image.name, sources.state_of(image), "Flowing")
     while not jobs.running().job.done:

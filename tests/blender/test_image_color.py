@@ -1,4 +1,4 @@
-"""Images in Blender, in every colour space: bands of what is seen, in the values of the file."""
+"""Images in Blender, in every color space: bands of what is seen, in the values of the file."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def cover(radius: float) -> np.ndarray:
 @pytest.mark.parametrize("is_float", [False, True])
 @pytest.mark.parametrize("exact", [False, True])
 def test_a_disc_of_one_color_on_nothing_keeps_its_color(is_float, exact):
-    """Black and white under alpha 0 do not bleed into it, and stay; soft edges keep the colour."""
+    """Black and white under alpha 0 do not bleed into it, and stay; soft edges keep the color."""
     alpha = cover(14)
     pixels = np.full((SIDE, SIDE, 4), 0.8, dtype=np.float32)
     pixels[..., 3] = alpha
@@ -82,7 +82,7 @@ def test_islands_do_not_know_of_each_other():
 
 
 def test_light_that_covers_nothing_does_not_bleed_and_stays():
-    """Around a disc, colours multiplied by alpha that are far brighter than alpha allows."""
+    """Around a disc, colors multiplied by alpha that are far brighter than alpha allows."""
     alpha = cover(10)
     pixels = np.zeros((SIDE, SIDE, 4), dtype=np.float32)
     pixels[..., :3] = 0.5 * alpha[..., None]

@@ -77,7 +77,7 @@ def test_a_picture_that_does_not_fit_is_no_success(tmp_path: Path, capfd):
         target = place / "shot.png"
         assert run(["decompose", str(shape), "--render", str(target), *QUICK]) == 1
         assert content(place) == {}
-        table = import_module("bl_ext.user_default.spectral_tv.operators.values").save
+        table = import_module("bl_ext.user_default.spectral_tv.attributes.values").save
         refusal = import_module("bl_ext.user_default.spectral_tv.scene.objects").Refusal
         with pytest.raises(refusal, match=os.strerror(errno.ENOSPC)):
             table(str(place / "table.csv"), "1, 2\n" * 20_000)

@@ -21,7 +21,7 @@ FILES = [
 LACKING = {".jpg": (2, 4), ".webp": (2,), ".bmp": (2,), ".tga": (2,)}
 # Of floats a step is relative.
 STEP = {"8": 1 / 255, "16": 1 / 65535, "half": 2.0**-10, "float": 2.0**-23}
-# What single precision makes of values that are converted to another colour space, relatively.
+# What single precision makes of values that are converted to another color space, relatively.
 CONVERSION = 3e-7
 
 
@@ -171,7 +171,7 @@ def test_what_is_converted_looks_the_same_in_blender(space, tmp_path):
 
 
 def seen_in_blender(path: Path, space: str | None) -> np.ndarray:
-    """Scene-linear colours of a file, in a space; OpenEXR tells its own unless it is not known."""
+    """Scene-linear colors of a file, in a space; OpenEXR tells its own unless it is not known."""
     image = bpy.data.images.load(str(path))
     if space is not None and (path.suffix != ".exr" or space in ("ACEScg", "Non-Color")):
         image.colorspace_settings.name = space
@@ -212,7 +212,7 @@ def test_blender_itself_gives_all_formats_back(blender, tmp_path):
     blender(*verb, *there, "-o", str(folders["back"]), "--format", "png", *KEEP)
     for path in folders["back"].iterdir():
         expected = pictures.fractions(sources[folders["in"] / path.name])
-        expected[expected[..., 3] == 0, :3] = 0  # as colours are multiplied by alpha
+        expected[expected[..., 3] == 0, :3] = 0  # as colors are multiplied by alpha
         np.testing.assert_allclose(
             pictures.fractions(pictures.read(path)), expected, atol=0.501 / 65535
         )

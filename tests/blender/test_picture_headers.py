@@ -45,7 +45,7 @@ def colors(depth: str = "8", channels: int = 3) -> np.ndarray:
 
 
 def profile(name: str) -> bytes:
-    """An ICC profile of that name, for colours."""
+    """An ICC profile of that name, for colors."""
     found = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
     wide = name.ljust(len("sRGB built-in"))
     return found.replace("sRGB built-in".encode("utf-16-be"), wide.encode("utf-16-be"))

@@ -446,9 +446,9 @@ def test_an_own_text_is_no_table_of_errors(sphere):
 
 
 def test_a_decomposition_that_fails_leaves_the_bands_that_were_there(sphere):
-    bands = import_module(f"{MODULE}.decomposition.bands")
+    bands = import_module(f"{MODULE}.bands.bands")
     whole = import_module(f"{MODULE}.scene.whole").whole
-    settings = import_module(f"{MODULE}.decomposition.settings").Settings
+    settings = import_module(f"{MODULE}.bands.settings").Settings
     bpy.ops.spectral_tv.decompose(bands=2, steps=6)
     before = contents()
     chosen = settings(bands=3, steps=6)

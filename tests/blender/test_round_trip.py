@@ -69,7 +69,7 @@ def attribute_values(name: str, width: int = 1) -> np.ndarray:
     return np.array([getattr(item, key) for item in attribute.data], dtype=float)
 
 
-def add_colours():
+def add_colors():
     mesh = grid().data
     for name, kind, domain in (
         ("Paint", "FLOAT_COLOR", "POINT"),
@@ -81,7 +81,7 @@ def add_colours():
         layer.data.foreach_set("color", values.astype(np.float32).ravel())
 
 
-def colours():
+def colors():
     (obj,) = meshes()
     return [
         cloud(attribute_values(layer.name), layer.domain)
@@ -361,7 +361,7 @@ class Content:
 
 
 CONTENT = {
-    "colours": Content(add_colours, colours, 0.01),
+    "colors": Content(add_colors, colors, 0.01),
     "uvs": Content(add_uvs, uvs),
     "materials": Content(add_materials, materials),
     "textures": Content(add_textures, textures),
@@ -386,7 +386,7 @@ CONTENT = {
 }
 # What is said where a part is kept, and what of it is: the first so many, or all but so exact.
 PARTS = {
-    ("colours", "8 bits"): ("8 bits: Paint lost digits", None),
+    ("colors", "8 bits"): ("8 bits: Paint lost digits", None),
     ("materials", "names"): ("the names of materials alone", None),
     ("normals", "per vertex"): ("one normal per vertex", None),
     ("attributes", "not of edges"): ("no custom attributes of edges; left out: width", None),

@@ -24,7 +24,7 @@ def seen(obj) -> np.ndarray:
 
 def latest(obj) -> list[bpy.types.ShapeKey]:
     keys = obj.data.shape_keys
-    return [keys.key_blocks[band.key] for band in keys.spectral_tv.bands]
+    return [keys.key_blocks[band.key] for band in obj.data.spectral_tv.decomposition.bands]
 
 
 def displacements(obj) -> np.ndarray:

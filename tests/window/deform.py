@@ -142,7 +142,7 @@ def take_what_turns() -> Steps[None]:
 
 
 def running() -> type:
-    return sys.modules[f"{MODULE}.operators.live"].SPECTRAL_TV_OT_deform_live
+    return sys.modules[f"{MODULE}.deformation.live_operator"].SPECTRAL_TV_OT_deform_live
 
 
 def new_dumbbell() -> bpy.types.Object:

@@ -58,7 +58,7 @@ def stress() -> Steps[None]:
 
 def undo_every_job() -> Steps[None]:
     """Of each operator that runs a job, Ctrl-Z takes back what came of it, and no more."""
-    kinds = sys.modules[f"{MODULE}.operators._job"].JobOperator.__subclasses__()
+    kinds = sys.modules[f"{MODULE}.job.operator"].JobOperator.__subclasses__()
     assert {kind.bl_idname.removeprefix("spectral_tv.") for kind in kinds} == SHORT_WORK.keys()
     precious()
     for group, kind in (("Eye", "PIN"), ("Ear", "OBJECT")):
@@ -331,7 +331,9 @@ def drag_live() -> Steps[None]:
 
 
 def live_runs() -> bool:
-    return sys.modules[f"{MODULE}.operators.live"].SPECTRAL_TV_OT_deform_live.is_running()
+    return sys.modules[
+        f"{MODULE}.deformation.live_operator"
+    ].SPECTRAL_TV_OT_deform_live.is_running()
 
 
 def keys(obj: bpy.types.Object) -> list[str]:

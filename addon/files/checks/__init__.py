@@ -7,33 +7,17 @@ import struct
 from collections.abc import Callable
 from pathlib import Path
 
+from ..torn import Torn
 from . import pictures, scenes, shapes
-from .torn import Torn
 
 CHECKS: dict[str, Callable[[Path], None]] = {
-    ".ply": shapes.ply,
-    ".stl": shapes.stl,
-    ".obj": shapes.obj,
-    ".blend": scenes.blend,
-    ".glb": scenes.glb,
-    ".gltf": scenes.gltf,
-    ".fbx": scenes.fbx,
-    ".usd": scenes.usd,
-    ".usda": scenes.usd,
-    ".usdc": scenes.usd,
-    ".usdz": scenes.usdz,
-    ".abc": scenes.abc,
-    ".dae": scenes.dae,
-    ".png": pictures.png,
-    ".jpg": pictures.jpeg,
-    ".jpeg": pictures.jpeg,
-    ".tif": pictures.tiff,
-    ".tiff": pictures.tiff,
-    ".webp": pictures.webp,
-    ".bmp": pictures.bmp,
-    ".tga": pictures.tga,
-    ".exr": pictures.exr,
-}
+    ".ply": shapes.ply, ".stl": shapes.stl, ".obj": shapes.obj, ".blend": scenes.blend,
+    ".glb": scenes.glb, ".gltf": scenes.gltf, ".fbx": scenes.fbx, ".usd": scenes.usd,
+    ".usda": scenes.usd, ".usdc": scenes.usd, ".usdz": scenes.usdz, ".abc": scenes.abc,
+    ".dae": scenes.dae, ".png": pictures.png, ".jpg": pictures.jpeg, ".jpeg": pictures.jpeg,
+    ".tif": pictures.tiff, ".tiff": pictures.tiff, ".webp": pictures.webp, ".bmp": pictures.bmp,
+    ".tga": pictures.tga, ".exr": pictures.exr,
+}  # fmt: skip
 
 
 def check(path: Path) -> None:

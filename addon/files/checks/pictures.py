@@ -4,13 +4,10 @@ import struct
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import BinaryIO
 
-import numpy as np
-
-from .torn import last, require, take
-
-TIFF_TAGS = (273, 279, 324, 325)
+from ..headers.exr import PARTS, TILED, attributes, require_pixels
+from ..headers.tiff import Directory
+from ..torn import last, require, take
 
 
 def png(path: Path) -> None:
@@ -73,75 +70,28 @@ def tga(path: Path) -> None:
 
 
 def tiff(path: Path) -> None:
-    """All pixels that a TIFF refers to are within it."""
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        order = {b"II": "<", b"MM": ">"}.get(file.read(2), "")
-        require(bool(order), "it does not begin like a .tif")
-        version, place = take(file, f"{order}HI")
-        require(version == 42, "it is a .tif of another kind")
-        while place:
-            file.seek(place)
-            (count,) = take(file, f"{order}H")
-            found = [take(file, f"{order}HHI4s") for _ in range(count)]
-            (place,) = take(file, f"{order}I")
-            # Where strips or tiles begin, and how long they are.
-            tags = {tag: _numbers(file, order, *rest) for tag, *rest in found if tag in TIFF_TAGS}
-            for starts, lengths in ((273, 279), (324, 325)):
-                ends = map(sum, zip(tags.get(starts, ()), tags.get(lengths, ()), strict=True))
-                require(all(end <= size for end in ends), "pixels are missing")
-
-
-def _numbers(file: BinaryIO, order: str, kind: int, count: int, value: bytes) -> tuple[int, ...]:
-    """The numbers of a tag of a TIFF: the value itself, or what it tells the place of."""
-    layout = f"{order}{count}{'B' if kind == 1 else 'H' if kind == 3 else 'I'}"
-    if struct.calcsize(layout) <= 4:
-        return struct.unpack_from(layout, value)
-    file.seek(struct.unpack(f"{order}I", value)[0])
-    return take(file, layout)
+    """All pixels that the pages of a TIFF refer to are within it."""
+    data = path.read_bytes()
+    require(data[:4] in (b"II*\0", b"MM\0*"), "it does not begin like a .tif")
+    place = 0
+    while True:
+        page = Directory(data, place)
+        page.require_pixels()
+        place = page.next
+        if not place:
+            return
 
 
 def exr(path: Path) -> None:
     """An OpenEXR file has a table of its parts, which is filled in at the end."""
-    data = np.fromfile(path, np.uint8).tobytes()
+    data = path.read_bytes()
     require(data[:4] == b"\x76\x2f\x31\x01", "it does not begin like an .exr")
-    version, place = int.from_bytes(data[4:8], "little"), 8
-    parts: list[dict[str, bytes]] = []
-    attributes: dict[str, bytes] = {}
-    while True:
-        name, place = _word(data, place)
-        if not name:
-            if attributes:
-                parts.append(attributes)
-            if not version & 0x1000 or not attributes:
-                break
-            attributes = {}
-            continue
-        _, place = _word(data, place)
-        require(place + 4 <= len(data), "its header is cut off")
-        length = int.from_bytes(data[place : place + 4], "little")
-        attributes[name] = data[place + 4 : place + 4 + length]
-        place += 4 + length
-    if version & 0x200 or any("tiles" in part for part in parts):  # tiles have tables by level
-        require(len(data) > place, "its pixels are missing")
-        return
-    for part in parts:
-        low, high = np.frombuffer(part["dataWindow"], "<i4")[[1, 3]]
-        lines = {0: 1, 1: 1, 2: 1, 3: 16, 4: 32, 5: 16, 6: 32, 7: 32, 8: 32, 9: 256}
-        count = -(-(int(high) - int(low) + 1) // lines[part["compression"][0]])
-        table = np.frombuffer(data[place : place + 8 * count], "<u8")
-        require(len(table) == count and bool((table > 0).all()), "its table is not whole")
-        place += 8 * count
-        at = int(table.max()) + (4 if version & 0x1000 else 0)
-        require(at + 8 <= len(data), "its pixels are missing")
-        length = int.from_bytes(data[at + 4 : at + 8], "little")
-        require(at + 8 + length <= len(data), "its last pixels are missing")
-
-
-def _word(data: bytes, place: int) -> tuple[str, int]:
-    end = data.find(b"\0", place)
-    require(end >= 0, "its header is cut off")
-    return data[place:end].decode("ascii", "replace"), end + 1
+    (version,) = struct.unpack_from("<I", data, 4)
+    _, end = attributes(data)
+    if version & PARTS:  # headers and tables of several
+        require(len(data) > end, "its pixels are missing")
+    else:
+        require_pixels(data, end, bool(version & TILED))
 
 
 STARTS: dict[bytes, Callable[[Path], None]] = {

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from .. import ply as plys
-from .torn import Torn, last, require, take
+from ..torn import Torn, last, require, take
 
 
 def ply(path: Path) -> None:

@@ -4,7 +4,7 @@ import struct
 import zlib
 from pathlib import Path
 
-from ..checks import Torn
+from ..torn import Torn
 from . import exr, jpeg, png, tiff, webp
 from .header import Header, Unreadable
 

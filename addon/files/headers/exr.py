@@ -2,13 +2,13 @@
 
 import struct
 
-from ..checks import Torn
+from ..torn import Torn
 from .header import Header, Unreadable
 
 TILED, DEEP, PARTS = 0x200, 0x800, 0x1000
 HALF = 1
 COLORS = ("R", "G", "B", "Y")
-# What says what the colours mean.
+# What says what the colors mean.
 MEANING = ("chromaticities", "colorInteropID", "whiteLuminance", "adoptedNeutral")
 
 
@@ -26,7 +26,7 @@ def read(data: bytes) -> Header:
     colors = {name: kind for name, kind in channels.items() if name in COLORS}
     if not colors:
         raise Unreadable(f"its channels {', '.join(channels)} are no colors")
-    _require_pixels(data, end, bool(version & TILED))
+    require_pixels(data, end, bool(version & TILED))
     others = [name for name in channels if name not in (*COLORS, "A")]
     unread = [f"its channels {', '.join(others)}"] if others else []
     if found["dataWindow"] != found["displayWindow"]:
@@ -79,7 +79,7 @@ def _word(data: bytes, place: int) -> tuple[bytes, int]:
     return data[place:end], end + 1
 
 
-def _require_pixels(data: bytes, end: int, is_tiled: bool) -> None:
+def require_pixels(data: bytes, end: int, is_tiled: bool) -> None:
     """Raise Torn unless all of the pixels' parts are there."""
     table = starts(data, end)
     if not all(table):

@@ -19,7 +19,7 @@ class Header:
     depth: str
     is_grey: bool
     has_alpha: bool
-    # Whether colours are multiplied by alpha.
+    # Whether colors are multiplied by alpha.
     is_associated: bool = False
     # How the picture has to be turned to be upright, as EXIF counts: 1 is upright already.
     orientation: int = 1
@@ -27,7 +27,7 @@ class Header:
     profile: bytes | None = None
     # Pixels per metre, across and down.
     resolution: tuple[float, float] | None = None
-    # Attributes of OpenEXR that say what the colours mean, by name: type and value.
+    # Attributes of OpenEXR that say what the colors mean, by name: type and value.
     color_attributes: dict[str, tuple[bytes, bytes]] = field(default_factory=dict)
     # What is in the file and is not read, such as "EXIF data".
     unread: tuple[str, ...] = ()

@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Iterator
 
-from ..checks import Torn
+from ..torn import Torn
 from .header import AS_RGB, Header
 from .tiff import METRES, orientation_of, tells_more
 

@@ -4,7 +4,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 
-from ..checks import Torn
+from ..torn import Torn
 from .header import Header
 from .tiff import orientation_of, tells_more
 

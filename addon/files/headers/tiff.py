@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Iterator
 
-from ..checks import Torn
+from ..torn import Torn
 from .header import AS_RGB, Header, Unreadable
 
 WIDTHS = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8}
@@ -29,13 +29,14 @@ METRES = {2: 0.0254, 3: 0.01}
 
 
 class Directory:
-    """The tags of the first page."""
+    """The tags of a page, the first one if no place is named."""
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: bytes, place: int = 0) -> None:
         """Read the tags; raises Torn or what ``struct`` does."""
         self._data = data
         self._order = {b"II": "<", b"MM": ">"}[data[:2]]
-        (place,) = struct.unpack_from(f"{self._order}I", data, 4)
+        if not place:
+            (place,) = struct.unpack_from(f"{self._order}I", data, 4)
         (count,) = struct.unpack_from(f"{self._order}H", data, place)
         self._entries: dict[int, tuple[int, int, int]] = {}
         for index in range(count):
@@ -76,6 +77,13 @@ class Directory:
         kind, length, where = self._entries[tag]
         return self._data[where : where + WIDTHS.get(kind, 1) * length]
 
+    def require_pixels(self) -> None:
+        """Raise Torn unless all pixels are there, in strips or in tiles."""
+        for starts, lengths in (STRIPS, TILES):
+            ends = map(sum, zip(self.numbers(starts), self.numbers(lengths), strict=True))
+            if any(end > len(self._data) for end in ends):
+                raise Torn("it is cut short: pixels are missing")
+
 
 def orientation_of(exif: bytes) -> int:
     """The orientation that EXIF data tell, which begin like a TIFF file; 1 if they tell none."""
@@ -103,10 +111,7 @@ def read(data: bytes) -> Header:
     if bits < 8:
         raise Unreadable(f"its values have {bits} bits, which Blender misreads; give them 8")
     _require_values(kind, bits)
-    for starts, lengths in (STRIPS, TILES):
-        ends = map(sum, zip(page.numbers(starts), page.numbers(lengths), strict=True))
-        if any(end > len(data) for end in ends):
-            raise Torn("it is cut short: pixels are missing")
+    page.require_pixels()
     colors = 1 if photometric <= 1 else 4 if photometric == CMYK else 3
     if photometric == PALETTE:
         samples += 2

@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Iterator
 
-from ..checks import Torn
+from ..torn import Torn
 from .header import Header, Unreadable
 from .tiff import orientation_of, tells_more
 

@@ -1,0 +1,41 @@
+"""The operator that flows an attribute, a vertex group, a color attribute or a shape key."""
+
+import bpy
+import spectral_tv
+
+from ..job.operator import JobOperator
+from ..options import rows
+from .flows import Prepared, prepare, results
+from .outputs import write
+from .properties import COLUMNS, AttributeChoices
+
+
+class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeChoices, bpy.types.Operator):
+    """Smooth or filter an attribute, a vertex group, a color attribute or a shape key on the
+    surface. Writes beside it; running again replaces what was written"""
+
+    bl_idname = "spectral_tv.flow_attribute"
+    bl_label = "Flow"
+    working = "Flowing on"
+
+    def prepare(self, obj: bpy.types.Object) -> Prepared:
+        return prepare(obj, self.settings())
+
+    def start(self, prepared: Prepared) -> spectral_tv.Job:
+        return spectral_tv.start_flow(prepared.surface.mesh, **prepared.arguments)
+
+    def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Flow) -> str:
+        found = results(prepared, self.settings(), result)
+        names = write(obj, prepared.source, found)
+        text = f"{prepared.source.name!r} written as {', '.join(map(repr, names))}"
+        if prepared.source.kind == "GROUP" and len(found) == 1:
+            (weights,) = found.values()
+            cut = int(((weights < -1e-3) | (weights > 1 + 1e-3)).sum())
+            if cut:
+                text += f", {cut} weights cut off at 0 and 1"
+        return text
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out Adjust Last Operation."""
+        self.layout.use_property_split = True
+        rows.draw(self.layout, self, *COLUMNS)

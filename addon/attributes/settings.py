@@ -1,0 +1,86 @@
+"""What to flow, and how; sizes are percentages of √ of the area."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ..bands.filtering import IN_BANDS, FilterSettings
+from ..options.declaring import Only, choice, name_of, number, switch
+from .sources import KINDS, names
+
+RESULTS = (
+    ("FLOW", "Smoothed", "The values, flowed until spots of the chosen size are gone"),
+    ("FILTER", "Filtered", "The values with their bands kept, removed or amplified"),
+    ("BANDS", "Bands", "Every band of the values, and the rest; they add up to the values"),
+)
+LAWS = (
+    ("TV", "Total Variation", "Edges stay crisp: every spot keeps its outline until it is gone"),
+    ("HEAT", "Heat", "Linear diffusion, which blurs edges; for comparison"),
+)
+SIZE = "relative to the object's size. A round spot of this width is gone"
+PARTS = (
+    ("GROUPS", "Vertex Groups", "The mean value of every chosen vertex group"),
+    ("VERTICES", "Selected Vertices", "The value of every vertex selected in Edit Mode"),
+)
+
+
+def _names(choices: Any, context: bpy.types.Context, _text: str) -> list[str]:
+    obj = context.active_object
+    return names(obj, choices.kind) if obj is not None and obj.type == "MESH" else []
+
+
+def _size(label: str, text: str, default: float, least: float, soft_most: float, on: Only) -> Any:
+    return number(
+        label, text, default, least, 1000, soft_most=soft_most, unit="PERCENTAGE", digits=2,
+        applies=on, place="sizes"
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Settings(FilterSettings):
+    """What is flowed, how, and what of it is written."""
+
+    kind: str = choice("Flow", "What is flowed", KINDS, place="source")
+    source: str = name_of(
+        "Name", "Which one; the active one if left empty", search=_names, place="source"
+    )
+    result: str = choice("Write", "What is written", RESULTS, place="source")
+    law: str = choice("By", "How the values flow", LAWS, place="law")
+    exact: bool = switch(
+        "Exact",
+        "Follow Total Variation exactly: spots fade in a straight line until they are gone. "
+        "Otherwise faster, and faint remains may stay", True, applies=Only("law", ["TV"]),
+        dims=True, place="law"
+    )  # fmt: skip
+    size: float = _size(
+        "Size",
+        f"How far to flow, {SIZE}: with Total Variation if it stands out by the whole range of the "
+        "values, and sooner the less it does", 10, 0.01, 100, Only("result", ["FLOW"])
+    )  # fmt: skip
+    finest: float = _size(
+        "Finest",
+        f"Where the first band ends, about, {SIZE} from there on", 1, 0.001, 50, IN_BANDS
+    )  # fmt: skip
+    largest: float = _size(
+        "Largest",
+        f"Where the last band ends, {SIZE} there. What is larger stays in the rest", 40, 0.01, 100,
+        IN_BANDS
+    )  # fmt: skip
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the flow is followed exactly."""
+        return self.exact and self.law == "TV"
+
+
+@dataclass(frozen=True)
+class Measure(Settings):
+    """The same, and whose values over time are told."""
+
+    parts: str = choice("Values of", "Whose values are told", PARTS, place="parts")
+    groups: str = name_of(
+        "Groups",
+        "Vertex groups, with commas between; all but those written here if empty",
+        applies=Only("parts", ["GROUPS"]), dims=True, place="parts"
+    )  # fmt: skip

@@ -1,0 +1,28 @@
+"""Bands of detail: split off, filtered, exaggerated, kept as shape keys."""
+
+from . import (
+    apply_modifier,
+    bands,
+    bands_panel,
+    caricature,
+    decompose,
+    decompose_panel,
+    properties,
+    set_bands,
+    spectrum,
+    take_bands,
+    verb,
+)
+
+FILES = (
+    properties,
+    decompose,
+    set_bands,
+    take_bands,
+    apply_modifier,
+    decompose_panel,
+    bands_panel,
+    caricature,
+)
+VERBS = (verb.Decompose(),)
+FORGET = (bands.forget_flows, spectrum.forget)

@@ -1,0 +1,304 @@
+"""A decomposition as the bands of an object, and the record that links them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from ..scene.applying import FOLLOWERS
+from ..scene.channels import actions_of
+from ..scene.contents import digest, topology_digest
+from ..scene.fingerprints import Likeness
+from ..scene.keeping import Band
+from ..scene.notes import note
+from ..scene.objects import Refusal
+from ..scene.records import (
+    SpectralTVRecord,
+    bands_of,
+    keeping_of,
+    new_identity,
+    recognise_bands,
+    record_of,
+    topology_changed,
+)
+from ..scene.shape_keys import key_shape
+from ..scene.surface import Surface, flattened, shape_of
+from . import recut
+from .methods import METHODS
+from .settings import Settings
+from .shapes import read_surfaces
+from .solo import end_solo
+
+
+@dataclass(frozen=True)
+class Flow:
+    """A decomposition, and what it was made of."""
+
+    split: spectral_tv.Decomposition
+    surface: Surface
+    source: str
+
+
+# Flows of this session, so that bands are cut anew without flowing again; the last few only,
+# as each holds all states. Objects that were decomposed as one share theirs.
+_flows: dict[str, Flow] = {}
+MOST_FLOWS = 4
+# Values nearer than this are the same.
+VISIBLE = 1e-6
+
+
+def base_shape(
+    objects: Sequence[bpy.types.Object], settings: Settings, surfaces: Sequence[Surface]
+) -> np.ndarray | None:
+    """The base of the method as a shape of the surfaces' mesh, (N, 3); None for the smoothed shape,
+    or if it has none.
+
+    Raises Refusal if the shape key it should be does not exist, or is not finite.
+    """
+    if not settings.by.takes("base") or settings.base == "FLOW":
+        return None
+    if settings.base == "FLAT":
+        return flattened(surfaces[0])
+    return shape_of(surfaces, [_key_shape(obj, settings.base_key) for obj in objects])
+
+
+def _key_shape(obj: bpy.types.Object, name: str) -> np.ndarray:
+    """The shape that is seen of a key by itself, (V, 3) in object space."""
+    keys = obj.data.shape_keys
+    if keys is None or name not in keys.key_blocks:
+        raise Refusal(f"there is no shape key {name!r} to be the base")
+    shape = key_shape(keys.key_blocks[name])
+    broken = np.flatnonzero(~np.isfinite(shape).all(axis=1))
+    if len(broken):
+        raise Refusal(f"the shape key {name!r} is not finite at vertex {broken[0]}", broken)
+    return shape
+
+
+def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[str, Any]]:
+    """The surface of an object, and the keyword arguments of spectral_tv.decompose.
+
+    Raises Refusal or spectral_tv.MeshError if the object and the settings do not go together.
+    """
+    surfaces, arguments = prepare_together([obj], settings)
+    return surfaces[0], arguments
+
+
+def prepare_together(
+    objects: Sequence[bpy.types.Object], settings: Settings
+) -> tuple[list[Surface], dict[str, Any]]:
+    """The same of objects that are decomposed as one surface."""
+    if settings.complaint() is not None:
+        raise Refusal(settings.complaint())
+    for obj in objects:
+        if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
+            raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
+    surfaces = read_surfaces(objects, settings)
+    return surfaces, settings.arguments(surfaces[0].mesh, base_shape(objects, settings, surfaces))
+
+
+def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposition | None:
+    """The flow of the same surface with the same arguments, if it is in memory."""
+    source = _source(surface, arguments)
+    return next((flow.split for flow in _flows.values() if flow.source == source), None)
+
+
+def add_bands(
+    obj: bpy.types.Object,
+    settings: Settings,
+    surface: Surface,
+    arguments: dict[str, Any],
+    split: spectral_tv.Decomposition,
+) -> list[str]:
+    """Write a decomposition as bands, remember it, and return the bands' names.
+
+    Those of an earlier decomposition stay, but are no longer bands.
+    """
+    edges = split.band_edges(settings.band_count)
+    flow = Flow(split, surface, _source(surface, arguments))
+    record = obj.data.spectral_tv.decomposition
+    bands = _add(obj, record, settings.method, edges, flow)
+    for band in bands:
+        band.vertex_group = settings.vertex_group
+    record.method, record.settings = settings.method, settings.text()
+    record.solo, record.area = 0, surface.mesh.area
+    new_identity(obj, record)
+    record.spectrum.clear()
+    for time, strength in zip(split.times[1:-1], split.spectrum, strict=True):
+        sample = record.spectrum.add()
+        sample.time, sample.strength = time, strength
+    names = [band.name for band in bands]
+    _record_bands(obj, record, names, names, edges)
+    _flows[record.identifier] = flow
+    while len({id(kept.split) for kept in _flows.values()}) > MOST_FLOWS:
+        del _flows[next(iter(_flows))]
+    return names
+
+
+def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
+    """Cut the remembered flow into ``count`` bands that take the place of the present ones.
+
+    What was set of these goes over, see :mod:`recut`; those that were sculpted since stay, muted.
+    Raises Refusal if the flow is no longer in memory or the mesh was changed since.
+    """
+    record = record_of(obj)
+    if record.identifier not in _flows:
+        raise Refusal("its flow is no longer in memory; decompose it again")
+    if topology_digest(obj.data) != record.topology:
+        raise Refusal("its vertices or faces changed since; decompose it again")
+    flow = _flows[record.identifier]
+    edges = flow.split.band_edges(count)
+    new = _add(obj, record, record.method, edges, flow)
+    end_solo(obj)
+    there = keeping_of(record).all(obj)
+    usual = _names(record.method, len(record.bands))
+    old = []
+    for band, (name, likeness), own in zip(record.bands, recognise_bands(obj), usual, strict=True):
+        is_changed = likeness == Likeness.CHANGED
+        if is_changed:
+            note(f"{name!r} was sculpted since; it stays, muted, and is no longer a band")
+        # Files of 0.1.0 do not tell what a band was called.
+        old.append(recut.Former(there[name] if name else None, is_changed, band.given or own))
+    former = [(band.start, band.end) for band in record.bands]
+    overlap = recut.Overlap.of(former, [*pairwise(edges)], flow.split.times[1:-1])
+    if all(each.band is None for each in old):
+        for band in new:
+            band.vertex_group = settings_of(record).vertex_group
+    wanted = _names(record.method, count)
+    names, given = recut.take_place(obj, keeping_of(record), old, new, wanted, overlap)
+    _record_bands(obj, record, names, given, edges)
+    return names
+
+
+def settings_of(record: SpectralTVRecord) -> Settings:
+    """What the bands were made by."""
+    if not record.settings:  # of 0.1.0
+        return Settings(method=record.method, bands=len(record.bands))
+    return Settings.of_text(record.settings)
+
+
+def settings_as_taken(record: SpectralTVRecord) -> Settings:
+    """The same with the bands and the steps that there are, whatever decided on them.
+
+    Where modifiers were applied, the object that has the bands is what they showed.
+    """
+    taken = settings_of(record)
+    shape = "BASIS" if taken.shape == "APPLIED" else taken.shape
+    steps = len(record.spectrum) + 1
+    return replace(taken, bands=len(record.bands), steps=steps, accuracy=0.0, shape=shape)
+
+
+def set_values(obj: bpy.types.Object, values: list[float]) -> None:
+    """Set the values of the bands, leaving out those whose key was deleted.
+
+    What keeps them from being seen is noted.
+    """
+    bands = bands_of(obj)
+    pairs = [(key, value) for key, value in zip(bands, values, strict=True) if key is not None]
+    _note_unseen(obj, [key for key, value in pairs if value != key.value])
+    cut = []
+    for key, value in pairs:
+        key.value = min(max(value, key.slider_min), key.slider_max)
+        if abs(key.value - value) > VISIBLE:
+            cut.append(key.name)
+    if cut:
+        note(f"cut off at the ends of the sliders: {', '.join(cut)}")
+
+
+def _note_unseen(obj: bpy.types.Object, bands: list[Band]) -> None:
+    """Note what keeps other values of bands from being seen, or from staying."""
+    keeping = keeping_of(record_of(obj))
+    block = keeping.animated(obj)
+    drivers = () if block.animation_data is None else block.animation_data.drivers
+    driven = {driver.data_path for driver in drivers}
+    keyed = {curve.data_path for animated in actions_of(block) for curve in animated.curves or ()}
+    paths = {keeping.path(band, "value"): band.name for band in bands}
+    for reason, names in (
+        ("muted", [band.name for band in bands if band.mute]),
+        (
+            "driven, and do what their drivers say",
+            [paths[each] for each in paths if each in driven],
+        ),
+        (
+            "keyframed; Keyframe keeps the new values",
+            [paths[each] for each in paths if each in keyed],
+        ),
+    ):
+        if names:
+            note(f"some of these bands are {reason}: {', '.join(names)}")
+    if obj.show_only_shape_key and bands:
+        note("only the active shape key is shown: turn Shape Key Lock off to see the mix")
+
+
+def follow(obj: bpy.types.Object) -> Callable[[], None]:
+    """Note which bands are there; the function returned has the record follow them to other
+    vertices and faces.
+
+    The flow, which was on those that were there before, is not theirs any more.
+    """
+    if record_of(obj) is None or topology_changed(obj):
+        return lambda: None
+    names = [name for name, _ in recognise_bands(obj)]
+
+    def renew() -> None:
+        record = record_of(obj)
+        new_identity(obj, record)
+        for band, name in zip(record.bands, names, strict=True):
+            if name:
+                band.take(obj, keeping_of(record).written, name)
+
+    return renew
+
+
+FOLLOWERS.append(follow)
+
+
+def has_flow(identifier: str) -> bool:
+    """Whether the flow of a record is still in memory."""
+    return identifier in _flows
+
+
+def forget_flows() -> None:
+    """Free all flows."""
+    _flows.clear()
+
+
+def _source(surface: Surface, arguments: dict[str, Any]) -> str:
+    """Digest of all that a flow depends on."""
+    parts = [surface.mesh.vertices, surface.mesh.triangles]
+    for name, value in sorted(arguments.items()):
+        parts += [np.frombuffer(name.encode(), dtype=np.uint8), np.asarray(value)]
+    return digest(*parts)
+
+
+def _names(method: str, count: int) -> list[str]:
+    return [f"{METHODS[method].key_label} Band {band + 1}" for band in range(count)]
+
+
+def _add(
+    obj: bpy.types.Object, record: SpectralTVRecord, method: str, edges: np.ndarray, flow: Flow
+) -> list[Band]:
+    """Add the bands between ``edges``."""
+    # One by one, as each is as large as the mesh.
+    displacements = (
+        flow.surface.to_object(flow.split.bands(np.array(pair)))[0] for pair in pairwise(edges)
+    )
+    return keeping_of(record).add(obj, _names(method, len(edges) - 1), displacements)
+
+
+def _record_bands(
+    obj: bpy.types.Object,
+    record: SpectralTVRecord,
+    names: list[str],
+    given: list[str],
+    edges: np.ndarray,
+) -> None:
+    """Link a record to the bands between ``edges``, and to the names that they were given."""
+    record.bands.clear()
+    for name, first, (start, end) in zip(names, given, pairwise(edges), strict=True):
+        band = record.bands.add()
+        band.take(obj, keeping_of(record).written, name)
+        band.given, band.start, band.end = first, start, end

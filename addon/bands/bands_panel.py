@@ -1,0 +1,152 @@
+"""The panel of the bands: the spectrum, a slider per band, filters."""
+
+import math
+
+import bpy
+
+from ..drawing.sidebar import Sidebar, say
+from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
+from . import filter_curve, spectrum
+from . import set_bands as operators
+from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
+from .gains import PRESETS
+from .take_bands import SPECTRAL_TV_OT_take_bands
+
+
+class BandsPanel(Sidebar):
+    """Shown once the active object has bands that still fit its mesh."""
+
+    is_split = False
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.active_object
+        return record_of(obj) is not None and not topology_changed(obj)
+
+
+class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
+    """The bands of the active object"""
+
+    bl_label = "Bands"
+    is_split = False
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return record_of(context.active_object) is not None
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        obj = context.active_object
+        record = record_of(obj)
+        if topology_changed(obj):
+            text = "Vertices or faces changed since. Decompose the mesh again"
+            say(layout, context, text, "ERROR")
+            return
+        self._draw_spectrum(layout, record, context.scene.unit_settings)
+        column = layout.column(align=True)
+        for number, key in enumerate(bands_shown(obj), start=1):
+            row = column.row(align=True)
+            row.label(text="", icon_value=spectrum.swatch(number - 1, len(record.bands)))
+            if key is None:
+                row.label(text=f"Band {number} was deleted")
+                continue
+            row.prop(key, "value", text=key.name, slider=True)
+            row.prop(key, "mute", text="", icon="HIDE_ON" if key.mute else "HIDE_OFF")
+            icon = "SOLO_ON" if number == record.solo else "SOLO_OFF"
+            solo = row.operator(operators.SPECTRAL_TV_OT_solo.bl_idname, text="", icon=icon)
+            solo.band = number
+        row = layout.row(align=True)
+        row.operator(operators.SPECTRAL_TV_OT_keyframe.bl_idname, text="Keyframe", icon="KEY_HLT")
+        row.operator(operators.SPECTRAL_TV_OT_bake.bl_idname, icon="SHAPEKEY_DATA")
+        layout.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
+        row = layout.row(align=True)
+        row.prop(context.scene.spectral_tv, "bands")
+        cut = row.operator(operators.SPECTRAL_TV_OT_cut.bl_idname)
+        cut.bands = context.scene.spectral_tv.bands
+
+    @staticmethod
+    def _draw_spectrum(
+        layout: bpy.types.UILayout, record: SpectralTVRecord, units: bpy.types.UnitSettings
+    ) -> None:
+        row = layout.split(factor=0.66)
+        row.template_icon(spectrum.icon(record), scale=7.6)
+        column = row.column(align=True)
+        column.label(text="Finest")
+        column.label(text=_length(record.spectrum[0].time, units))
+        column.separator(factor=3.5)
+        column.label(text="Largest")
+        column.label(text=_length(record.bands[-1].end, units))
+
+
+def _length(time: float, units: bpy.types.UnitSettings) -> str:
+    """The size of the features that vanish at a time, in the units of the scene."""
+    length = math.sqrt(time) * units.scale_length
+    return bpy.utils.units.to_string(units.system, "LENGTH", length, precision=2)
+
+
+class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
+    """Common filters"""
+
+    bl_label = "Filters"
+    bl_parent_id = "SPECTRAL_TV_PT_bands"
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        settings = context.scene.spectral_tv_filter
+        row = layout.row(align=True)
+        row.prop(settings, "first")
+        row.prop(settings, "last")
+        layout.prop(settings, "amount")
+        grid = layout.grid_flow(columns=2, row_major=True, align=True, even_columns=True)
+        for name, label, _ in PRESETS:
+            operator = grid.operator(operators.SPECTRAL_TV_OT_filter.bl_idname, text=label)
+            operator.preset = name
+            operator.first, operator.last = settings.chosen(name)
+            operator.amount = settings.amount
+        take = layout.operator(SPECTRAL_TV_OT_take_bands.bl_idname, icon="IMPORT")
+        take.first, take.last = settings.first, settings.last
+
+
+class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
+    """A filter of any shape"""
+
+    bl_label = "Filter Curve"
+    bl_parent_id = "SPECTRAL_TV_PT_bands"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def rows(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        node = filter_curve.find()
+        if node is None:
+            layout.operator(operators.SPECTRAL_TV_OT_add_curve.bl_idname, icon="FCURVE")
+            return
+        layout.template_curve_mapping(node, "mapping")
+        row = layout.row()
+        row.label(text="Finest")
+        right = row.row()
+        right.alignment = "RIGHT"
+        right.label(text="Largest")
+        layout.operator(operators.SPECTRAL_TV_OT_apply_curve.bl_idname)
+
+
+class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
+    """Modifiers, which Blender does not apply to a mesh with shape keys"""
+
+    bl_label = "Apply Modifiers"
+    bl_parent_id = "SPECTRAL_TV_PT_bands"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return super().poll(context) and len(context.active_object.modifiers) > 0
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        obj = context.active_object
+        reason = apply_refusal(obj)
+        if reason is not None:
+            say(layout, context, reason, "INFO")
+        column = layout.column(align=True)
+        for modifier in obj.modifiers:
+            row = column.row(align=True)
+            row.enabled = modifier.show_viewport
+            operator = row.operator(
+                SPECTRAL_TV_OT_apply_modifier.bl_idname, text=modifier.name, icon="CHECKMARK"
+            )
+            operator.modifier = modifier.name

@@ -1,0 +1,132 @@
+"""Exaggerating all selected meshes alike: options, operator and panel."""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import bpy
+import spectral_tv
+
+from ..drawing.work import MeshPanel, draw_button, draw_selection
+from ..job.jobs import Chain, Seen, read_each, unchanged
+from ..job.operator import JobOperator
+from ..options import rows
+from ..options.declaring import choice, integer, number
+from ..options.properties import choices_of
+from ..scene.notes import about, note
+from ..scene.objects import Refusal
+from ..scene.surface import Surface
+from ..scene.whole import whole
+from .bands import add_bands, prepare, recall, set_values
+from .estimates import of_meshes
+from .gains import caricature_values
+from .methods import OF_THE_PAPER
+from .settings import STEPS, Settings
+
+
+@dataclass(frozen=True)
+class CaricatureSettings:
+    """Which bands of all meshes are exaggerated, and which are smoothed away."""
+
+    method: str = choice(
+        "Method", "What the bands split off", [each.item for each in OF_THE_PAPER], "M3",
+        place="method"
+    )  # fmt: skip
+    bands: int = integer("Bands", "Number of bands", 5, 2, 32, place="method")
+    steps: int = integer("Steps", STEPS, 32, 3, 1000, soft_most=128, place="method")
+    first: int = integer(
+        "From", "First exaggerated band; 1 is the finest", 4, 1, None, place="range"
+    )
+    last: int = integer("To", "Last exaggerated band; 1 is the finest", 5, 1, None, place="range")
+    amount: float = number(
+        "Exaggerate by",
+        "How much is added to these bands: 1 doubles them", 1, None, None, soft_least=-1,
+        soft_most=4, place="amount"
+    )  # fmt: skip
+    smooth: int = integer(
+        "Smooth",
+        "So many of the finest bands are removed; 0 keeps the skin", 1, 0, None, place="amount"
+    )  # fmt: skip
+
+
+CaricatureChoices = choices_of(CaricatureSettings)
+
+
+class SpectralTVCaricature(CaricatureChoices, bpy.types.PropertyGroup):
+    """The choices in the sidebar, kept with the scene."""
+
+    owner = bpy.types.Scene, "spectral_tv_caricature"
+
+
+@dataclass(frozen=True)
+class Pose:
+    """What is to be decomposed of an object, and by what."""
+
+    seen: Seen
+    surface: Surface
+    arguments: dict[str, Any]
+
+
+class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operator):
+    """Split all selected meshes into bands alike, and exaggerate the same bands of each; the
+    finest ones can be smoothed away. Different poses then keep one character"""
+
+    bl_idname = "spectral_tv.caricature"
+    bl_label = "Exaggerate Selected"
+    working = "Exaggerating"
+
+    def prepare(self, _obj: bpy.types.Object) -> list[Pose]:
+        if self.smooth >= self.bands:
+            raise Refusal(f"smoothing {self.smooth} of {self.bands} bands leaves none")
+        return read_each(
+            bpy.context, lambda obj: Pose(Seen.of(obj), *prepare(obj, self._settings()))
+        )
+
+    def recall(self, prepared: list[Pose]) -> list[spectral_tv.Decomposition] | None:
+        splits = [recall(pose.surface, pose.arguments) for pose in prepared]
+        return None if None in splits else splits
+
+    def start(self, prepared: list[Pose]) -> Chain:
+        return Chain(
+            [
+                partial(spectral_tv.start_decompose, pose.surface.mesh, **pose.arguments)
+                for pose in prepared
+            ]
+        )
+
+    def write(
+        self, _obj: bpy.types.Object, prepared: list[Pose], result: list[spectral_tv.Decomposition]
+    ) -> str:
+        values = caricature_values(self.bands, self.first, self.last, self.amount, self.smooth)
+        if not any(values):
+            note("the filter changes nothing: the amount is 0, and no band is smoothed")
+        objects, skipped = unchanged([pose.seen for pose in prepared])
+        there = [obj for obj in objects if obj is not None]
+        with whole(*there):
+            for obj, pose, split in zip(objects, prepared, result, strict=True):
+                if obj is not None:
+                    add_bands(obj, self._settings(), pose.surface, pose.arguments, split)
+        for obj in there:
+            with about(obj.name):
+                set_values(obj, values)
+        done = f"{self.bands} bands of {self.method} exaggerated alike in {len(there)} meshes"
+        return done + skipped
+
+    def _settings(self) -> Settings:
+        return Settings(method=self.method, bands=self.bands, steps=self.steps)
+
+
+class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
+    """One exaggeration for many poses"""
+
+    bl_label = "Caricature"
+    bl_order = 2
+
+    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        rows.draw(layout, context.scene.spectral_tv_caricature, "method", "range", "amount")
+
+    def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        choices = context.scene.spectral_tv_caricature
+        settings = Settings(method=choices.method, steps=choices.steps)
+        draw_selection(layout, context, "filter", partial(of_meshes, settings))
+        draw_button(layout, SPECTRAL_TV_OT_caricature, "OUTLINER_OB_ARMATURE", choices)

@@ -1,0 +1,88 @@
+"""The operator that splits the active mesh into bands."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import spectral_tv
+from bpy.props import BoolProperty
+
+from ..job.jobs import Seen
+from ..job.operator import JobOperator
+from ..options import rows
+from ..scene import applied
+from ..scene.notes import note
+from ..scene.objects import Refusal, distinct_meshes
+from ..scene.surface import Surface
+from ..scene.whole import whole
+from .bands import add_bands, prepare_together, recall
+from .properties import DecompositionChoices
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """The objects, their surfaces, and the arguments of spectral_tv.decompose."""
+
+    seen: list[Seen]
+    surfaces: list[Surface]
+    arguments: dict[str, Any]
+
+
+class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Operator):
+    """Split the active mesh into bands of detail, one shape key per band"""
+
+    bl_idname = "spectral_tv.decompose"
+    bl_label = "Decompose into Bands"
+    working = "Decomposing"
+
+    together: BoolProperty(
+        name="Selected as One",
+        description="Decompose all selected meshes as one surface, joined where their open edges "
+        "meet",
+    )
+
+    def prepare(self, obj: bpy.types.Object) -> Prepared:
+        objects = distinct_meshes(bpy.context) if self.together else [obj]
+        seen = [Seen.of(each) for each in objects]
+        return Prepared(seen, *prepare_together(objects, self.settings()))
+
+    def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
+        return recall(prepared.surfaces[0], prepared.arguments)
+
+    def start(self, prepared: Prepared) -> spectral_tv.Job:
+        return spectral_tv.start_decompose(prepared.surfaces[0].mesh, **prepared.arguments)
+
+    def write(
+        self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
+    ) -> str:
+        objects = [seen.again() for seen in prepared.seen]
+        if None in objects:
+            name = prepared.seen[objects.index(None)].name
+            raise Refusal(f"nothing was written, as {name} changed in the meantime")
+        if self.shape == "APPLIED":
+            objects = [_applied(objects[0], prepared.surfaces[0])]
+        with whole(*objects):
+            for obj, surface in zip(objects, prepared.surfaces, strict=True):
+                names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
+        bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
+        as_one = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
+        return f"{bands} of {self.settings().by.key_label} added{as_one}"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out Adjust Last Operation."""
+        self.layout.use_property_split = True
+        rows.draw(self.layout, self, "method shape")
+
+
+def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:
+    """The object with the modifiers of ``obj`` applied that takes its place; now the active one."""
+    copy = applied.copy_of(obj)
+    if len(copy.data.vertices) != len(surface.place):
+        bpy.data.meshes.remove(copy.data)
+        raise Refusal("nothing was written, as what its modifiers show changed in the meantime")
+    obj.select_set(False)
+    obj.hide_set(True)
+    copy.select_set(True)
+    bpy.context.view_layer.objects.active = copy
+    note(f"the bands are on {copy.name!r}, with its modifiers applied; {obj.name!r} is hidden")
+    return copy

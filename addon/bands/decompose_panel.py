@@ -1,0 +1,92 @@
+"""The panel that splits the active mesh, with its sub-panels."""
+
+import bpy
+
+from ..drawing.sidebar import Sidebar, say
+from ..drawing.work import WorkPanel, draw_button, draw_fault, draw_needs
+from ..job import jobs
+from ..options import rows
+from ..scene.objects import refusal, selected_meshes
+from .decompose import SPECTRAL_TV_OT_decompose
+from .estimates import of_meshes
+from .shapes import remarks
+
+
+class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
+    """Choose a method and decompose"""
+
+    bl_label = "Decompose"
+
+    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        column = layout.column()
+        column.active = jobs.running() is None
+        rows.draw(column, context.scene.spectral_tv, "method mask", obj=context.active_object)
+
+    def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        obj, choices = context.active_object, context.scene.spectral_tv
+        reason = refusal(obj)
+        if reason is not None:
+            say(layout, context, reason, "INFO")
+        elif obj.data.users > 1:
+            text = f"{obj.data.users} objects share this mesh; all of them get the bands"
+            say(layout, context, text, "INFO")
+        draw_fault(layout, context)
+        if reason is None:
+            settings = choices.settings()
+            for text in remarks(obj, settings):
+                say(layout, context, text[0].upper() + text[1:], "INFO")
+            draw_needs(layout, context, of_meshes(settings, len(obj.data.vertices)))
+        draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
+        if reason is None and len(selected_meshes(context)) > 1:
+            together = draw_button(
+                layout,
+                SPECTRAL_TV_OT_decompose,
+                "MOD_BOOLEAN",
+                choices,
+                is_tall=False,
+                text="Selected as One",
+            )
+            together.together = True
+
+
+class PartPanel(Sidebar):
+    """Options that have a sub-panel of their own, where one of them has an effect."""
+
+    bl_parent_id = "SPECTRAL_TV_PT_decompose"
+    bl_options = {"DEFAULT_CLOSED"}
+    place: str
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return rows.is_shown(context.scene.spectral_tv, cls.place)
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        rows.draw(layout, context.scene.spectral_tv, self.place, obj=context.active_object)
+
+
+class SPECTRAL_TV_PT_shape(PartPanel, bpy.types.Panel):
+    """Which shape is decomposed, and what of it is joined"""
+
+    bl_label = "Shape"
+    place = "shape"
+
+
+class SPECTRAL_TV_PT_scales(PartPanel, bpy.types.Panel):
+    """The range of sizes"""
+
+    bl_label = "Scales"
+    place = "scales"
+
+    def draw_header(self, context: bpy.types.Context) -> None:
+        self.layout.prop(context.scene.spectral_tv, "use_scales", text="")
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        layout.enabled = context.scene.spectral_tv.use_scales
+        super().rows(context, layout)
+
+
+class SPECTRAL_TV_PT_base(PartPanel, bpy.types.Panel):
+    """The base from which detail is measured"""
+
+    bl_label = "Base"
+    place = "base"

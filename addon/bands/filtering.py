@@ -1,0 +1,138 @@
+"""Which filter the bands of a function get: what the user chooses, and what it comes to."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from bpy.props import IntProperty
+
+from ..options.declaring import Only, choice, integer, name_of, number, options_of, switch
+from ..scene.notes import note
+from ..scene.objects import Refusal
+from . import filter_curve
+from .gains import PRESETS, curve_values, idle_reason, preset_values, usual_band
+
+FILTERS = (
+    *(preset for preset in PRESETS if preset[0] != "RESET"),
+    ("GAINS", "Gains", "A gain for every band: 0 removes it, 1 keeps it, 2 doubles it"),
+    ("CURVE", "Filter Curve", "The curve of the panel Filter Curve: left is the finest band"),
+)
+
+
+# What the user is told of gains that are all 1.
+KEEPS_ALL = "the filter changes nothing: it keeps every band"
+UNDER = Only("preset", [name for name, *_ in FILTERS if name not in ("GAINS", "CURVE")])
+FILTERED = Only("result", ["FILTER"])
+IN_BANDS = Only("result", ["FILTER", "BANDS"])
+
+
+@dataclass(frozen=True)
+class FilterSettings:
+    """The number of bands, of steps, and what happens to the bands."""
+
+    bands: int = integer(
+        "Bands", "Number of bands, finest first", 5, 1, 32, applies=IN_BANDS, place="bands"
+    )
+    steps: int = integer(
+        "Steps",
+        "Number of time steps of the flow. More steps are more accurate and separate scales more "
+        "sharply", 32, 2, 1000, soft_most=128, place="steps"
+    )  # fmt: skip
+    preset: str = choice(
+        "Filter", "What happens to the bands", FILTERS, "LOW_PASS", applies=FILTERED,
+        place="filter", argument=""
+    )  # fmt: skip
+    gains: str = name_of(
+        "Gains",
+        "A number for every band, finest first, with spaces or commas between: 0 removes it, 1 "
+        "keeps it, 2 doubles it", "0 0 1 1 1", applies=(FILTERED, Only("preset", ["GAINS"])),
+        place="filter", argument=""
+    )  # fmt: skip
+    first: int = integer(
+        "From",
+        "First of the chosen bands; 1 is the finest", 3, 1, None, applies=(FILTERED, UNDER),
+        place="filter", argument=""
+    )  # fmt: skip
+    last: int = integer(
+        "To",
+        "Last of the chosen bands; 1 is the finest", 3, 1, None, applies=(FILTERED, UNDER),
+        place="filter", argument=""
+    )  # fmt: skip
+    amount: float = number(
+        "Exaggerate by",
+        "How much is added to the chosen bands: 1 doubles them", 1, None, None, soft_least=-1,
+        soft_most=4, applies=(FILTERED, Only("preset", ["EXAGGERATE"])), place="filter",
+        argument=""
+    )  # fmt: skip
+    keep_rest: bool = switch(
+        "Keep the Rest",
+        "Keep what no band holds: the values' largest spots and their mean", True, applies=FILTERED,
+        place="filter", argument=""
+    )  # fmt: skip
+
+
+def filter_values(choice: FilterSettings) -> list[float]:
+    """What is added to every band, times the band: −1 removes it.
+
+    That a filter changes nothing is noted. Raises Refusal if the gains are not one number per band,
+    or there is no curve.
+    """
+    values = _values(choice)
+    if choice.keep_rest and not any(values):
+        range_ = choice.bands, choice.first, choice.last, choice.amount
+        is_preset = choice.preset not in ("GAINS", "CURVE")
+        reason = idle_reason(choice.preset, *range_) if is_preset else None
+        note(reason or KEEPS_ALL)
+    return values
+
+
+def _values(choice: FilterSettings) -> list[float]:
+    if choice.preset == "GAINS":
+        try:
+            gains = [float(word) for word in choice.gains.replace(",", " ").split()]
+        except ValueError as error:
+            raise Refusal(f"the gains are not numbers: {choice.gains!r}") from error
+        if len(gains) != choice.bands or not np.isfinite(gains).all():
+            raise Refusal(f"{choice.bands} bands need as many gains, not {choice.gains!r}")
+        return [gain - 1 for gain in gains]
+    if choice.preset == "CURVE":
+        node = filter_curve.find()
+        if node is None:
+            raise Refusal("there is no filter curve")
+        return curve_values(lambda position: filter_curve.evaluate(node, position), choice.bands)
+    return preset_values(choice.preset, choice.bands, choice.first, choice.last, choice.amount)
+
+
+def sidebar_band(end: str) -> Any:
+    """A property of a sidebar's choices, "first" or "last": the usual band until one is chosen.
+
+    What is chosen is in ``own_first`` and ``own_last``, which are 0 until then.
+    """
+
+    def get(choices: Any) -> int:
+        own, other = getattr(choices, f"own_{end}"), choices.own_first or choices.own_last
+        if own:
+            return own
+        usual = usual_band(choices.preset, choices.band_count())
+        # So that one that is chosen stays the end that it is.
+        return usual if not other else min(usual, other) if end == "first" else max(usual, other)
+
+    def choose(choices: Any, value: int) -> None:
+        setattr(choices, f"own_{end}", value)
+
+    option = options_of(FilterSettings)[end]
+    return IntProperty(get=get, set=choose, min=1, name=option.label, description=option.text)
+
+
+class SidebarFilter:
+    """The chosen bands of a filter in a sidebar. Ahead of the other bases of a class, so that these
+    properties take the place of the operator's."""
+
+    own_first: IntProperty(options={"HIDDEN"})
+    own_last: IntProperty(options={"HIDDEN"})
+    first: sidebar_band("first")
+    last: sidebar_band("last")
+
+    def band_count(self) -> int:
+        """How many bands there are."""
+        return self.bands

@@ -1,0 +1,295 @@
+"""Bands in the place of others: what was dialled, masked, animated and driven goes over to them.
+
+The values of bands are a filter over scales, constant within each. The new bands get its means,
+each component counted once, as bands hold equal numbers of components.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..scene.channels import Animated, actions_of
+from ..scene.curve_sums import Term, total
+from ..scene.drivers import copy_driver, retarget_drivers, same_driver
+from ..scene.fcurves import Point, add_curve, make_keyframes, same_modifiers
+from ..scene.keeping import Band, Keeping
+from ..scene.names import free_name
+from ..scene.notes import note
+
+# Edges are kept in single precision.
+ROUNDING = 1e-6
+# By how much values of bands may differ untold.
+VISIBLE = 1e-3
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """How many components new bands (J,) share with old ones (I,): ``counts`` (J, I).
+
+    ``sizes`` (J,) are the numbers of components of the new ones, also of those in no old band.
+    """
+
+    counts: np.ndarray
+    sizes: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        old: Sequence[tuple[float, float]],
+        new: Sequence[tuple[float, float]],
+        times: np.ndarray,
+    ) -> "Overlap":
+        """That of bands between two times each; ``times`` (N,) are those of the components."""
+        before, after = (_members(bands, times).astype(int) for bands in (old, new))
+        return cls(after @ before.T, after.sum(axis=1))
+
+    @property
+    def parts(self) -> np.ndarray:
+        """Which part of every new band lies in every old one, (J, I)."""
+        return self.counts / np.maximum(self.sizes, 1)[:, np.newaxis]
+
+    def successor(self, old: int) -> int | None:
+        """The new band that holds most of an old one."""
+        column = self.counts[:, old]
+        return int(column.argmax()) if column.any() else None
+
+    def equal(self, new: int) -> int | None:
+        """The old band that holds just the components of a new one, if there is one."""
+        row = self.counts[new]
+        old = int(row.argmax())
+        is_all = row[old] == self.sizes[new] == self.counts[:, old].sum() > 0
+        return old if is_all else None
+
+
+def _members(bands: Sequence[tuple[float, float]], times: np.ndarray) -> np.ndarray:
+    """Which components each band holds, (K, N)."""
+    starts = np.array([start for start, _ in bands]) * (1 - ROUNDING)
+    band = np.searchsorted(starts, times, side="right") - 1
+    inside = times < bands[-1][1] * (1 + ROUNDING)
+    return (band == np.arange(len(bands))[:, np.newaxis]) & inside
+
+
+@dataclass(frozen=True)
+class Former:
+    """A band that others take the place of, None if it is no more, and the name it was given.
+
+    One that ``stays`` is muted, as the new ones are seen in its place.
+    """
+
+    band: Band | None
+    stays: bool
+    given: str
+
+
+def take_place(
+    obj: bpy.types.Object,
+    keeping: Keeping,
+    former: Sequence[Former],
+    new: Sequence[Band],
+    names: Sequence[str],
+    overlap: Overlap,
+) -> tuple[list[str], list[str]]:
+    """Have bands take the place of others; returns their names, and those that they were given.
+
+    ``names`` are those that the new ones get if they are free; one that holds what an old one held
+    gets that one's name.
+    """
+    there = keeping.all(obj)
+    old = [each.band for each in former]
+    gone = [None if each.stays else each.band for each in former]
+    carrier = _Carrier(keeping, obj, former, new, names, overlap)
+    carrier.carry()
+    carrier.tell_names()
+    active = list(_active_keys(obj, gone, new, overlap))
+    place = min((there.find(band.name) for band in gone if band is not None), default=None)
+    successors = {
+        band.name: new[successor]
+        for index, band in enumerate(gone)
+        if band is not None and (successor := overlap.successor(index)) is not None
+    }
+    for band in old:
+        if band is not None and band not in gone:
+            band.mute = True
+    for band in gone:
+        if band is not None:
+            keeping.remove(obj, band)
+    for band, name in zip(new, carrier.names, strict=True):
+        band.name = free_name(name, "", {other.name for other in there if other != band})
+    retarget_drivers(obj.data, {name: band.name for name, band in successors.items()})
+    for index, band in enumerate(new if place is not None else ()):
+        keeping.move(obj, band, place + index)
+    for user, band in active:
+        user.active_shape_key_index = there.find(band.name)
+    given = [
+        band.name if name in names else former[overlap.equal(index)].given
+        for index, (band, name) in enumerate(zip(new, carrier.names, strict=True))
+    ]
+    return [band.name for band in new], given
+
+
+def _active_keys(
+    obj: bpy.types.Object, gone: Sequence[Band | None], new: Sequence[Band], overlap: Overlap
+) -> Iterator[tuple[bpy.types.Object, Band]]:
+    """The key that will be the active one of each object that has the mesh."""
+    for user in bpy.data.objects:
+        key = user.active_shape_key if user.data == obj.data else None
+        if key is not None:
+            successor = overlap.successor(gone.index(key)) if key in gone else None
+            yield user, key if successor is None else new[successor]
+
+
+class _Carrier:
+    """Carries what is set of the old bands over to the new ones."""
+
+    def __init__(
+        self,
+        keeping: Keeping,
+        obj: bpy.types.Object,
+        former: Sequence[Former],
+        new: Sequence[Band],
+        names: Sequence[str],
+        overlap: Overlap,
+    ) -> None:
+        """Take the old and the new bands, and the names of these."""
+        self.block, self.path = keeping.animated(obj), keeping.path
+        self.former, self.old = former, [each.band for each in former]
+        self.new, self.parts = new, overlap.parts
+        self.mixed: list[str] = []
+        self.successors = [overlap.successor(band) for band in range(len(former))]
+        equals = [overlap.equal(band) for band in range(len(new))]
+        self.names = [
+            name if equal is None or self.old[equal] is None else self.old[equal].name
+            for name, equal in zip(names, equals, strict=True)
+        ]
+
+    def carry(self) -> None:
+        """Set the new keys, and animate and drive them."""
+        for animated in self._animated():
+            for band in range(len(self.new)):
+                self._carry_curves(animated, band)
+        for band in range(len(self.new)):
+            self._carry_settings(band)
+            self._carry_drivers(band)
+        if self.mixed:
+            note(f"the mean of other values, so that the shape is another: {', '.join(self.mixed)}")
+
+    def tell_names(self) -> None:
+        """Note which names that the user gave are gone."""
+        for each, successor in zip(self.former, self.successors, strict=True):
+            if each.band is None or each.stays or successor is None:
+                continue
+            if each.band.name not in (each.given, *self.names):
+                note(f"{each.band.name!r} went into {self.names[successor]!r}")
+
+    def _former(self, band: int) -> list[int]:
+        """Old bands that a new one has parts of, the largest part first."""
+        order = np.argsort(-self.parts[band], kind="stable").tolist()
+        return [old for old in order if self.parts[band, old] > 0 and self.old[old] is not None]
+
+    def _heard(self, band: int) -> list[int]:
+        """Those that are seen: a muted one counts for nothing, unless all of them are."""
+        former = self._former(band)
+        return [old for old in former if not self.old[old].mute] or former
+
+    def _carry_settings(self, band: int) -> None:
+        order = self._former(band)
+        if not order:
+            return
+        key, former = self.new[band], [self.old[old] for old in order]
+        value = sum(self.parts[band, old] * self.old[old].value for old in self._heard(band))
+        key.slider_min = min(value, *(each.slider_min for each in former))
+        key.slider_max = max(value, *(each.slider_max for each in former))
+        key.value = value
+        key.mute = all(each.mute for each in former)
+        key.vertex_group = former[0].vertex_group
+        key.lock_shape = former[0].lock_shape
+        for what, name in (("vertex groups", "vertex_group"), ("locks", "lock_shape")):
+            same = [getattr(each, name) == getattr(key, name) for each in former]
+            self._tell(band, what, order, same)
+        heard = [self.old[old].value for old in self._heard(band)]
+        if max(heard) - min(heard) > VISIBLE:
+            self.mixed.append(f"{self.names[band]!r} ({value:.3g})")
+        if not key.mute and any(each.mute for each in former):
+            note(
+                f"{self.names[band]!r} is in the place of muted bands too, which count for nothing"
+            )
+
+    def _tell(self, band: int, what: str, former: Sequence[int], same: Sequence[bool]) -> None:
+        """Note that what the first of old bands had was taken, where others had not the same."""
+        if not all(same):
+            names = [self.old[old].name for old in former]
+            note(
+                f"{self.names[band]!r} is in the place of {', '.join(map(repr, names))}, whose "
+                f"{what} differ; it has what {names[0]!r} had"
+            )
+
+    def _animated(self) -> Iterator[Animated]:
+        """The actions with curves of the old keys, each of them the keys' own."""
+        paths = tuple(self.path(key) for key in self.old if key is not None)
+        seen = set()
+        for animated in actions_of(self.block):
+            curves = animated.curves
+            if curves is None or not any(each.data_path.startswith(paths) for each in curves):
+                continue
+            own, name = animated, animated.action.name
+            if animated.action.library is not None:
+                note(f"{name!r} is linked from another file; these bands have a copy now")
+                own = animated.with_own_action()
+            elif animated.is_shared:
+                note(f"{name!r} animates others too; these bands have a copy now")
+                own = animated.with_own_action()
+            if own.identity not in seen:
+                seen.add(own.identity)
+                yield own
+
+    def _carry_curves(self, animated: Animated, band: int) -> None:
+        curves, key = animated.curves, self.new[band]
+        moving = {
+            old: curve
+            for old in self._heard(band)
+            if (curve := curves.find(self.path(self.old[old], "value"))) is not None
+        }
+        if not all(curve.mute for curve in moving.values()):
+            moving = {old: curve for old, curve in moving.items() if not curve.mute}
+        for curve in moving.values():
+            make_keyframes(curve)
+        moving = {old: curve for old, curve in moving.items() if len(curve.keyframe_points)}
+        if moving:
+            terms = [
+                Term(
+                    float(self.parts[band, old]),
+                    0.0 if animated.adds else self.old[old].value,
+                    moving.get(old),
+                )
+                for old in self._heard(band)
+            ]
+            first = next(iter(moving.values()))
+            add_curve(curves, self.path(key, "value"), total(terms), first)
+            same = [same_modifiers([first, curve]) for curve in moving.values()]
+            self._tell(band, "modifiers of curves", [*moving], same)
+        for old in self._former(band)[:1]:
+            start = self.path(self.old[old])
+            for curve in [each for each in curves if each.data_path.startswith(start)]:
+                name = curve.data_path.removeprefix(start)
+                if name != "value":
+                    points = [Point.of(point) for point in curve.keyframe_points]
+                    add_curve(curves, self.path(key, name), points, curve)
+
+    def _carry_drivers(self, band: int) -> None:
+        animation = self.block.animation_data
+        if animation is None or not self._former(band):
+            return
+        drivers = {
+            old: animation.drivers.find(self.path(self.old[old], "value"))
+            for old in self._former(band)
+        }
+        # Of equal parts the one that is driven.
+        former = sorted(drivers, key=lambda old: (-self.parts[band, old], drivers[old] is None))
+        same = [same_driver(drivers[former[0]], drivers[old]) for old in former]
+        self._tell(band, "drivers", former, same)
+        start = self.path(self.old[former[0]])
+        for driver in [each for each in animation.drivers if each.data_path.startswith(start)]:
+            name = driver.data_path.removeprefix(start)
+            copy_driver(animation, driver, self.path(self.new[band], name))

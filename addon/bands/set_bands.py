@@ -1,0 +1,200 @@
+"""Operators that set the bands: presets, the curve, solo, keyframes, baking, other objects."""
+
+import bpy
+import numpy as np
+from bpy.props import EnumProperty, FloatProperty, IntProperty
+
+from ..job.operator import ChangeOperator
+from ..scene.notes import about, note
+from ..scene.objects import Refusal, refusal
+from ..scene.records import bands_of, keeping_of, record_of, renew_bands, topology_changed
+from . import filter_curve
+from .bands import cut_again, has_flow, set_values
+from .gains import PRESETS, curve_values, idle_reason, preset_values
+from .solo import toggle_solo
+
+# Bands whose ends differ by less, relative to them, are of the same sizes.
+SAME_SCALES = 0.01
+
+
+def bands_refusal(obj: bpy.types.Object | None, override: bool = True) -> str | None:
+    """Why there are no bands to set, in a sentence for the user; None if there are.
+
+    A library override is a reason unless ``override`` allows it.
+    """
+    if record_of(obj) is None:
+        return "The active object has no bands; decompose it first"
+    reason = refusal(obj, override=override)
+    if reason is None and topology_changed(obj):
+        reason = "Vertices or faces changed since; decompose the mesh again"
+    return reason
+
+
+class BandsOperator(ChangeOperator):
+    """What all of them share."""
+
+    # Whether shape keys come or go: on a library override that would not be saved, values are.
+    changes_keys = False
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return bands_refusal(context.active_object, override=not cls.changes_keys)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Do it to what the bands are today."""
+        renew_bands(context.active_object)
+        return super().execute(context)
+
+
+class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
+    """Set the bands to a common filter"""
+
+    bl_idname = "spectral_tv.filter"
+    bl_label = "Filter"
+
+    preset: EnumProperty(name="Filter", items=PRESETS, default="LOW_PASS")
+    first: IntProperty(name="First Band", description="1 is the finest", default=3, min=1)
+    last: IntProperty(name="Last Band", description="1 is the finest", default=3, min=1)
+    amount: FloatProperty(
+        name="Amount", description="How much is added to the chosen bands: 1 doubles them",
+        default=1, soft_min=-1, soft_max=4
+    )  # fmt: skip
+
+    @classmethod
+    def description(cls, _context, properties) -> str:
+        return next(text for name, _, text in PRESETS if name == properties.preset)
+
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        choice = len(record_of(obj).bands), self.first, self.last, self.amount
+        reason = idle_reason(self.preset, *choice)
+        if reason is not None:
+            note(reason)
+        set_values(obj, preset_values(self.preset, *choice))
+
+
+class SPECTRAL_TV_OT_add_curve(BandsOperator, bpy.types.Operator):
+    """Draw the filter as a curve: left is the finest band, right the largest, 1 keeps a band"""
+
+    bl_idname = "spectral_tv.add_curve"
+    bl_label = "Draw a Filter Curve"
+
+    def change(self, _context: bpy.types.Context, _obj: bpy.types.Object) -> None:
+        filter_curve.ensure()
+
+
+class SPECTRAL_TV_OT_apply_curve(BandsOperator, bpy.types.Operator):
+    """Set every band to the height of the curve above it"""
+
+    bl_idname = "spectral_tv.apply_curve"
+    bl_label = "Apply Curve"
+
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        node = filter_curve.ensure()
+        count = len(record_of(obj).bands)
+        set_values(obj, curve_values(lambda position: filter_curve.evaluate(node, position), count))
+
+
+class SPECTRAL_TV_OT_solo(BandsOperator, bpy.types.Operator):
+    """Mute all other bands; again to have them as they were"""
+
+    bl_idname = "spectral_tv.solo"
+    bl_label = "Solo"
+
+    band: IntProperty(name="Band", description="1 is the finest", default=1, min=1)
+
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        toggle_solo(obj, self.band)
+
+
+class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
+    """Insert a keyframe for the value of every band on the current frame"""
+
+    bl_idname = "spectral_tv.keyframe"
+    bl_label = "Keyframe All Bands"
+
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        keys = [key for key in bands_of(obj) if key is not None]
+        frame, keyframe = context.scene.frame_current, keeping_of(record_of(obj)).keyframe
+        failed = [key.name for key in keys if not keyframe(key, frame)]
+        if failed:
+            told = (
+                f"Blender inserts no keyframes for {', '.join(failed)}: their animation is linked "
+            )
+            told += "from another file, or locked"
+            if len(failed) == len(keys):
+                raise Refusal(told)
+            note(told)
+
+
+class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
+    """Add the present mix of all shape keys as one new shape key, at value 0"""
+
+    bl_idname = "spectral_tv.bake"
+    bl_label = "Bake Mix"
+    changes_keys = True
+
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
+        active = obj.active_shape_key_index
+        key = obj.shape_key_add(name="Filtered", from_mix=True)
+        key.value = 0
+        obj.active_shape_key_index = active
+        return f"added the shape key {key.name!r}"
+
+
+class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
+    """Give the selected objects' bands the values of the active object's"""
+
+    bl_idname = "spectral_tv.copy_filter"
+    bl_label = "Copy Filter to Selected"
+
+    def change(self, context: bpy.types.Context, source: bpy.types.Object) -> str:
+        others = [obj for obj in context.selected_objects if obj != source]
+        if not others:
+            raise Refusal("select the other objects too")
+        values = [key.value if key is not None else 0.0 for key in bands_of(source)]
+        alike = [obj for obj in others if _is_alike(obj, source)]
+        skipped = ", ".join(obj.name for obj in others if obj not in alike)
+        if skipped:
+            told = (
+                f"decompose these by the same settings first, they were left as they are: {skipped}"
+            )
+            if not alike:
+                raise Refusal(told)
+            note(told)
+        for obj in alike:
+            with about(obj.name):
+                set_values(obj, values)
+        return f"its filter is that of {', '.join(obj.name for obj in alike)} too"
+
+
+def _is_alike(obj: bpy.types.Object, source: bpy.types.Object) -> bool:
+    """Whether bands of two objects, counted from the finest, are of the same relative sizes."""
+    if bands_refusal(obj) is not None:
+        return False
+    record, other = record_of(obj), record_of(source)
+    if len(record.bands) != len(other.bands) or record.method != other.method:
+        return False
+    edges, others = (
+        np.array([band.end for band in each.bands]) / each.area for each in (record, other)
+    )
+    return np.allclose(edges, others, rtol=SAME_SCALES)
+
+
+class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
+    """Cut the same flow into another number of bands, without flowing again"""
+
+    bl_idname = "spectral_tv.cut"
+    bl_label = "Cut Again"
+    changes_keys = True
+
+    bands: IntProperty(name="Bands", default=5, min=1, max=32)
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        reason = super().refusal(context)
+        if reason is None and not has_flow(record_of(context.active_object).identifier):
+            return "The flow is no longer in memory; decompose the mesh again"
+        return reason
+
+    def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        cut_again(obj, self.bands)

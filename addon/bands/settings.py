@@ -1,0 +1,217 @@
+"""What to decompose by, in the terms of the user: sizes are relative to the object's."""
+
+import json
+import math
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+import spectral_tv
+from spectral_tv import DEFAULTS
+
+from ..options.declaring import Only, choice, integer, keywords, name_of, number, share, switch
+from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
+
+BASES = (
+    ("FLOW", "Smoothed Shape", "The object itself, smoothed until its limbs are gone"),
+    ("FLAT", "Flat", "The object flattened along its local Z axis: for reliefs and terrain"),
+    ("KEY", "Shape Key", "One of the object's shape keys"),
+)
+METRICS = (
+    ("SURFACE", "Surface", "Along the object itself: on images, adaptive spectral TV"),
+    ("BASE", "Base", "Along the base: with the flat one, the spectral TV of images"),
+)
+SHAPES = (
+    ("SHOWN", "As Shown", "The mesh as its shape keys show it now, before modifiers"),
+    ("BASIS", "Basis", "The mesh without its shape keys"),
+    (
+        "APPLIED",
+        "Modifiers Applied",
+        "All that is seen, in a new object without modifiers; this one is hidden",
+    ),
+)
+# Where an accuracy is asked for: steps of the first flow. The next has twice as many.
+FEWEST_STEPS = 12
+# Corners of open edges that are this near are meant to be one: percent of the object's size. It is
+# what rounding leaves of coordinates with six digits.
+WELD = 1e-3
+STEPS = "Number of time steps of the flow. More steps separate scales more sharply and take longer"
+SCALES = ("use_scales", "Custom Scales", "Choose the range of sizes that the bands cover")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Arguments of a decomposition.
+
+    Sizes are lengths relative to the square root of the surface area; 0 stands for what suits
+    the method. An accuracy, the relative error of the bands, takes as many steps as it needs; 0
+    takes ``steps``. ``weld`` is a percentage.
+    """
+
+    method: str = choice(
+        "Method", "What the bands split off", ITEMS, DEFAULTS["method"].upper(), place="method"
+    )
+    bands: int = integer(
+        "Bands",
+        "Number of bands, from the finest detail to the largest", 5, 1, 32,
+        applies=WITH_BANDS, place="method"
+    )  # fmt: skip
+    steps: int = integer(
+        "Steps", STEPS, DEFAULTS["steps"], 2, 1000, soft_most=128, applies=WITH_BANDS,
+        place="method"
+    )  # fmt: skip
+    accuracy: float = share(
+        "Error",
+        "How far the bands may be from those of the finest steps, relative to their size: 10% is "
+        "hardly seen", 5, 0.5, 50, digits=1,
+        switch=(
+            "use_accuracy", "Steps by Accuracy", "Take as many steps as the accuracy needs. The "
+            "first flows, which tell how many, take time too"
+        ),
+        instead_of="steps", applies=taking("accuracy", "takes no time steps"),
+        keyword="accuracy", metavar="E", refused=True
+    )  # fmt: skip
+    eigenpairs: int = integer(
+        "Eigenfunctions",
+        "Number of eigenfunctions, the coarsest. More of them hold finer detail; the time grows "
+        "with the square of their number", DEFAULTS["eigenpairs"], 2, 10000, soft_most=1000,
+        applies=taking("eigenpairs"), place="method", keyword="eigenpairs"
+    )  # fmt: skip
+    finest: float = share(
+        "Finest",
+        "Size of the finest detail to tell apart, relative to the object's size", 0, 0, 50,
+        soft_least=0.01, digits=2, switch=SCALES, own="own_finest", applies=WITH_BANDS,
+        place="scales"
+    )  # fmt: skip
+    largest: float = share(
+        "Largest",
+        "Size of the largest features that bands hold, relative to the object's size. What is "
+        "larger stays in the low-pass", 0, 0, 100, soft_least=0.02, digits=2, switch=SCALES,
+        own="own_largest", applies=WITH_BANDS, place="scales"
+    )  # fmt: skip
+    base: str = choice(
+        "Base",
+        "The smooth shape from which detail is measured", BASES, other=("KEY", "base_key"),
+        applies=WITH_BASE, place="base", refused=True
+    )  # fmt: skip
+    base_amount: float = share(
+        "Smoothing",
+        "Size of the features that vanish from the base, relative to the object's size", 0, 0, 50,
+        soft_least=0.1, digits=1,
+        switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
+        own="own_base_amount", applies=(WITH_BASE, Only("base", ["FLOW"])), place="base",
+        refused=True
+    )  # fmt: skip
+    base_key: str = name_of(
+        "Shape Key", "The shape key that is the base", search="key_blocks",
+        applies=(WITH_BASE, Only("base", ["KEY"])), place="base", argument=""
+    )  # fmt: skip
+    metric: str = choice(
+        "Distances",
+        "Along what distances are measured, and with them sizes", METRICS,
+        DEFAULTS["metric"].upper(), applies=taking("metric"), place="base", keyword="metric",
+        refused=True
+    )  # fmt: skip
+    vertex_group: str = name_of(
+        "Limit to", "Limits where the bands have an effect", search="vertex_groups", place="mask"
+    )
+    shape: str = choice("Shape", "Which shape is decomposed", SHAPES, place="shape")
+    weld: float = number(
+        "Join Within",
+        "Corners of open edges this near to one another, and to other open edges, are one, "
+        "relative to the object's size. 0 joins those at exactly the same place", WELD, 0, 10,
+        soft_most=0.1, unit="PERCENTAGE", digits=4, place="shape"
+    )  # fmt: skip
+    leaves_out: bool = switch(
+        "Leave Out Broken Faces",
+        "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",
+        place="shape", argument="leave-out"
+    )  # fmt: skip
+
+    def text(self) -> str:
+        """As a text to be kept."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def of_text(cls, text: str) -> "Settings":
+        """The settings that a text keeps, be it of a version that had fewer or more."""
+        known = {field.name for field in fields(cls)}
+        return cls(**{name: value for name, value in json.loads(text).items() if name in known})
+
+    @property
+    def by(self) -> Method:
+        """What is known of the method."""
+        return METHODS[self.method]
+
+    @property
+    def band_count(self) -> int:
+        """How many bands there will be."""
+        return self.bands if self.by.has_bands else 1
+
+    @property
+    def least_steps(self) -> int:
+        """How many steps there will be at least."""
+        return 2 * FEWEST_STEPS if self.is_adaptive else self.steps
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the accuracy decides on the steps."""
+        return bool(self.accuracy) and self.by.takes_steps
+
+    def complaint(self) -> str | None:
+        """What is wrong with the numbers of bands and steps; None if nothing is."""
+        if self.band_count < self.least_steps:
+            return None
+        return f"{self.bands} bands need more than {self.least_steps} steps"
+
+    def arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
+        """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
+
+        Raises spectral_tv.MeshError if the scales make no sense.
+        """
+        arguments = {**self.method_arguments(mesh, base), **keywords(self)}
+        if not self.by.takes_steps and self.by.has_bands and not (self.finest or self.largest):
+            arguments["steps"] = self.steps
+        elif self.by.has_bands:
+            steps = FEWEST_STEPS if self.is_adaptive else self.steps
+            arguments["times"] = spectral_tv.graded_times(*self.scales(mesh), steps)
+        return arguments
+
+    def method_arguments(
+        self, mesh: spectral_tv.Mesh | None, base: np.ndarray | None
+    ) -> dict[str, Any]:
+        """Those that name the method and, where there is a mesh, its base."""
+        arguments: dict[str, Any] = {"method": self.by.package}
+        if self.by.p is not None:
+            arguments["p"] = self.by.p
+        if self.by.takes("base") and base is not None:
+            arguments["base"] = base
+        elif self.by.takes("base") and self.base_amount and mesh is not None:
+            arguments["base_time"] = mesh.area * self.base_amount**2
+        return arguments
+
+    def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
+        """The times of the finest and of the largest scale, length²."""
+        pairs = zip((self.finest, self.largest), self._own_scales(), strict=True)
+        # A feature of the size l vanishes at a time of the order of l squared.
+        finest, largest = (mesh.area * (size**2 or own) for size, own in pairs)
+        return finest, largest
+
+    @property
+    def own_finest(self) -> float:
+        """What a finest size of 0 stands for."""
+        return math.sqrt(self._own_scales()[0])
+
+    @property
+    def own_largest(self) -> float:
+        """What a largest size of 0 stands for."""
+        return math.sqrt(self._own_scales()[1])
+
+    @property
+    def own_base_amount(self) -> float:
+        """What a base amount of 0 stands for."""
+        return math.sqrt(spectral_tv.default_base_time())
+
+    def _own_scales(self) -> tuple[float, float]:
+        """Those of the method, relative to the area."""
+        return spectral_tv.default_scales(self.by.package, self.eigenpairs)

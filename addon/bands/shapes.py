@@ -1,0 +1,93 @@
+"""Which shape of an object is decomposed, and what the user is told of it."""
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ..scene import mix
+from ..scene.modifiers import passed_over, symmetries
+from ..scene.notes import note
+from ..scene.objects import Refusal
+from ..scene.records import bands_of, record_of
+from ..scene.surface import Reading, Surface
+from ..scene.touching import touching
+from .settings import SHAPES, Settings
+
+
+def read_surfaces(
+    objects: Sequence[bpy.types.Object], settings: Settings, *, without_bands: bool = False
+) -> list[Surface]:
+    """The surfaces of objects that are decomposed as one, in the chosen shape.
+
+    ``without_bands`` takes the present bands for 0, which gives the shape that they are of. Raises
+    Refusal or spectral_tv.MeshError if the objects cannot be read.
+    """
+    if settings.shape == "APPLIED":
+        if len(objects) > 1:
+            raise Refusal("only one object at a time is decomposed with its modifiers applied")
+        return [Surface.read_applied(objects[0], _reading(settings))]
+    aside = [_base(obj, settings) for obj in objects]
+    if without_bands:
+        aside = [[*keys, *_bands(obj)] for keys, obj in zip(aside, objects, strict=True)]
+    else:
+        for obj in objects:
+            for text in remarks(obj, settings):
+                note(text)
+    shapes = [_shape(obj, settings, keys) for obj, keys in zip(objects, aside, strict=True)]
+    return Surface.read_together(objects, shapes, _reading(settings))
+
+
+def groups(objects: Sequence[bpy.types.Object], settings: Settings) -> list[list[bpy.types.Object]]:
+    """The objects in groups that are one surface, as their open edges meet."""
+    if settings.shape == "APPLIED":
+        return [[obj] for obj in objects]
+    shapes = [_shape(obj, settings, _base(obj, settings)) for obj in objects]
+    found = touching(objects, shapes, _reading(settings))
+    return [[objects[index] for index in indices] for indices in found]
+
+
+def remarks(obj: bpy.types.Object, settings: Settings) -> list[str]:
+    """What of ``obj`` is seen but not decomposed, or decomposed but not its Basis."""
+    found: list[str] = []
+    if settings.shape == "APPLIED":
+        return found
+    keys = mix.told(obj, _base(obj, settings))
+    if keys and settings.shape == "SHOWN":
+        found.append(f"it is decomposed as shown, with {keys}")
+    elif keys:
+        found.append(f"its Basis is decomposed, not what is shown with {keys}")
+    mirrors = [modifier.name for modifier in symmetries(obj)]
+    if mirrors:
+        found.append(f"the other half of {', '.join(mirrors)} takes part, and stays joined")
+    names = [modifier.name for modifier in passed_over(obj)]
+    if names:
+        label = next(label for name, label, _ in SHAPES if name == "APPLIED")
+        found.append(
+            f"what {', '.join(names)} {'changes' if len(names) == 1 else 'change'} is not "
+            f"decomposed, but the mesh before; the shape {label!r} has it too"
+        )
+    return found
+
+
+def _reading(settings: Settings) -> Reading:
+    return Reading(settings.weld, settings.leaves_out)
+
+
+def _shape(
+    obj: bpy.types.Object, settings: Settings, aside: Sequence[bpy.types.ShapeKey]
+) -> np.ndarray | None:
+    """What is decomposed of an object without some keys, (V, 3); None for its Basis."""
+    return mix.shown(obj, aside) if settings.shape == "SHOWN" else None
+
+
+def _base(obj: bpy.types.Object, settings: Settings) -> list[bpy.types.ShapeKey]:
+    """The key that detail is measured from, if one is: it is no part of what has the detail."""
+    keys = obj.data.shape_keys
+    if keys is None or not settings.by.takes("base") or settings.base != "KEY":
+        return []
+    return [key for key in keys.key_blocks if key.name == settings.base_key]
+
+
+def _bands(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
+    return [key for key in bands_of(obj) if key] if record_of(obj) is not None else []

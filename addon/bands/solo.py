@@ -1,0 +1,46 @@
+"""One band alone: the others muted, and what was muted before kept in mind."""
+
+import bpy
+
+from ..scene.objects import Refusal
+from ..scene.records import SpectralTVBand, bands_of, record_of
+
+
+def toggle_solo(obj: bpy.types.Object, number: int) -> None:
+    """Mute all bands but that of a number, from 1; if it is alone already, give the mutes back.
+
+    What the user mutes or unmutes meanwhile stays so in the end. Raises Refusal if there is no such
+    band.
+    """
+    record = record_of(obj)
+    pairs = _pairs(obj)
+    if number > len(pairs) or pairs[number - 1][1] is None:
+        raise Refusal(f"it has no band {number}")
+    is_alone = record.solo == number and all(
+        key is None or key.mute == (place != number)
+        for place, (_, key) in enumerate(pairs, start=1)
+    )
+    end_solo(obj)
+    if is_alone:
+        return
+    for place, (band, key) in enumerate(pairs, start=1):
+        band.was_muted = key is not None and key.mute
+        if key is not None:
+            key.mute = place != number
+    record.solo = number
+
+
+def end_solo(obj: bpy.types.Object) -> None:
+    """Give the mutes back that a solo took, if there is one."""
+    record = record_of(obj)
+    if not record.solo:
+        return
+    for place, (band, key) in enumerate(_pairs(obj), start=1):
+        was_set = place != record.solo
+        if key is not None and key.mute == was_set:
+            key.mute = band.was_muted
+    record.solo = 0
+
+
+def _pairs(obj: bpy.types.Object) -> list[tuple[SpectralTVBand, bpy.types.ShapeKey | None]]:
+    return [*zip(record_of(obj).bands, bands_of(obj), strict=True)]

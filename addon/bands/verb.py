@@ -1,0 +1,122 @@
+"""``decompose``: files in, bands or filtered shapes out."""
+
+import argparse
+from collections.abc import Sequence
+
+import bpy
+import spectral_tv
+
+from ..command_line.formats import BLEND, FORMATS
+from ..command_line.frames import all_or_frames, frames_of, treat_frames
+from ..command_line.load import freeze
+from ..command_line.progress import progress
+from ..command_line.verb import Job, Task, Verb
+from ..options.arguments import add_arguments as add_options
+from ..options.arguments import complaint
+from ..scene import applied
+from ..scene.notes import note
+from .bands import add_bands, prepare_together, set_values
+from .filtering import KEEPS_ALL
+from .gain_arguments import add_gains, band_values, complaint_of_gains
+from .settings import Settings
+from .shapes import groups
+
+
+class Decompose(Verb):
+    """Splits objects into bands, and filters them."""
+
+    name = "decompose"
+    summary = "split meshes into bands of detail"
+    result = "filtered"
+    description = """\
+Split the meshes of files into bands of detail, filter them, and write them.
+
+A .blend keeps the bands as shape keys, set to the gains; .glb, .gltf and .fbx carry them too.
+All other formats hold the filtered shape."""
+    examples = """\
+  blender --command spectral_tv decompose dragon.ply -o dragon.blend --bands 5
+  blender --command spectral_tv decompose scan.obj -o smooth.obj --gain 1=0 --gain 2=0.5
+  blender --command spectral_tv decompose *.ply -o results --curve 0:0,0.5:1,1:2 --render results"""
+
+    options = Settings
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Declare what is split off, and how it is filtered."""
+        add_options(parser, Settings)
+        add = parser.add_argument
+        add(
+            "--apart",
+            action="store_true",
+            help="split every object by itself, even where the open edges of several meet",
+        )
+        add(
+            "--frames",
+            metavar="START-END[:STEP]",
+            type=all_or_frames,
+            help="split and filter what is seen in each of these frames, or in all. The file plays "
+            "them; of a format that cannot, there is a file for each",
+        )
+        add_gains(parser)
+
+    def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
+        """What is wrong with them together."""
+        asked = self.settings(choices)
+        if 0 < asked.largest <= asked.finest:
+            return "--largest has to be larger than --finest"
+        reason = complaint(choices, Settings, asked) or asked.complaint()
+        return reason or complaint_of_gains(choices, asked.band_count)
+
+    def treat_all(
+        self, objects: list[bpy.types.Object], choices: argparse.Namespace, job: Job
+    ) -> None:
+        """Give objects their bands; over frames, have them play their filtered shapes."""
+        if choices.frames is None:
+            freeze(job.read, "; --frames all takes each as it is seen")
+            self.treat_groups(objects, choices, job)
+            return
+        frames = frames_of(choices.frames, job.read)
+
+        def treat(copies: list[bpy.types.Object], frame: int) -> None:
+            self.treat_groups(copies, choices, job, f", frame {frame}")
+
+        treat_frames(objects, frames, treat)
+
+    def groups(
+        self, objects: list[bpy.types.Object], choices: argparse.Namespace
+    ) -> list[list[bpy.types.Object]]:
+        """The objects, those together whose open edges meet."""
+        if choices.apart:
+            return super().groups(objects, choices)
+        found = groups(objects, self.settings(choices))
+        for group in found:
+            if len(group) > 1:
+                names = ", ".join(obj.name for obj in group)
+                note(f"{names} are split as one, as their open edges meet; --apart splits each")
+        return found
+
+    def treat(
+        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
+    ) -> None:
+        """Give objects their bands."""
+        asked = self.settings(choices)
+        if asked.shape == "APPLIED":
+            for obj in objects:
+                applied.apply(obj)
+        values = band_values(choices, asked.band_count)
+        is_filtered = bool(choices.gains) or choices.curve is not None
+        if not any(values) and (is_filtered or not _holds_bands(task)):
+            note(KEEPS_ALL)
+        surfaces, arguments = prepare_together(objects, asked)
+        with progress(task.label) as show:
+            split = spectral_tv.decompose(surfaces[0].mesh, **arguments, progress=show)
+        for obj, surface in zip(objects, surfaces, strict=True):
+            add_bands(obj, asked, surface, arguments, split)
+            set_values(obj, values)
+
+
+def _holds_bands(task: Task) -> bool:
+    """Whether bands can still be dialled in what is written."""
+    if task.file is None:
+        return False
+    suffix = task.file.suffix.lower()
+    return suffix == BLEND or FORMATS[suffix].keys

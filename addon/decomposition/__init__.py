@@ -1,1 +1,0 @@
-"""Decompositions in the terms of the user, and their bands on an object."""

@@ -1,1 +1,0 @@
-"""Filters of any shape, as gains of the bands."""

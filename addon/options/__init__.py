@@ -1,0 +1,1 @@
+"""Options, each declared once: properties, rows, arguments and keywords come of that."""

@@ -1,0 +1,169 @@
+"""Declaring options, as fields of dataclasses.
+
+Everything else is made of such a field: the property of an operator and of the sidebar, its row in
+a panel, the argument of the command line, what a report says, and a keyword of the package.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+OPTION = "option"
+
+
+class Only:
+    """A condition: another option has one of these values."""
+
+    def __init__(self, option: str, values: Iterable[str], *, otherwise: str = "") -> None:
+        """``otherwise`` says of another value why the option is of no use there."""
+        self.option, self.values, self.otherwise = option, tuple(values), otherwise
+
+    def holds(self, settings: Any) -> bool:
+        """Whether it is so."""
+        return getattr(settings, self.option) in self.values
+
+
+@dataclass(frozen=True)
+class Option:
+    """What is known of an option beside its name.
+
+    ``kind`` is that of the function below that declares it. It ``applies`` where all conditions
+    hold. ``place`` is the part of a panel that has it; elsewhere it is hidden, or ``dims``.
+    ``keyword`` is what the package calls it. ``argument`` is what the command line calls it if that
+    is not its name; empty if it is no argument. It is ``refused`` where it does not apply, rather
+    than of no account.
+    """
+
+    kind: str
+    label: str
+    text: str
+    default: Any
+    # Those of integers are whole.
+    least: Any = None
+    most: Any = None
+    soft_least: float | None = None
+    soft_most: float | None = None
+    digits: int | None = None
+    unit: str | None = None
+    items: tuple[tuple[Any, ...], ...] = ()
+    # Of a choice that takes any name too: the value that stands for it, and what has the name.
+    other: tuple[str, str] = ("", "")
+    # Of names: the collection that has them, or what lists them.
+    search: str | Callable[..., list[str]] | None = None
+    # Of shares: the switch that has them count, with its label and text; what is shown while it is
+    # off, a property of the settings; and the option that is of no account while it is on.
+    switch: tuple[str, str, str] = ("", "", "")
+    own: str = ""
+    instead_of: str = ""
+    applies: tuple[Only, ...] = ()
+    place: str = ""
+    dims: bool = False
+    keyword: str = ""
+    argument: str | None = None
+    metavar: str = ""
+    refused: bool = False
+
+    def is_in_force(self, settings: Any) -> bool:
+        """Whether it applies."""
+        return all(condition.holds(settings) for condition in self.applies)
+
+    @property
+    def range(self) -> tuple[Any, Any]:
+        """The least and the most that it can be; None is no end."""
+        return self.least, self.most
+
+    @property
+    def names(self) -> list[str]:
+        """The values of a choice."""
+        return [item[0] for item in self.items if item[0]]
+
+
+def _option(kind: str, label: str, text: str, default: Any, **more: Any) -> Any:
+    applies = more.pop("applies", ())
+    conditions = (applies,) if isinstance(applies, Only) else applies
+    declared = Option(kind, label, text, default, applies=conditions, **more)
+    return field(default=default, metadata={OPTION: declared})
+
+
+def integer(label: str, text: str, default: int, least: int, most: int | None, **more: Any) -> Any:
+    """A whole number."""
+    return _option("integer", label, text, default, least=least, most=most, **more)
+
+
+def number(
+    label: str, text: str, default: float, least: float | None, most: float | None, **more: Any
+) -> Any:
+    """A number, in a ``unit`` of Blender's if one is given."""
+    return _option("number", label, text, default, least=least, most=most, **more)
+
+
+def share(label: str, text: str, usual: float, least: float, most: float, **more: Any) -> Any:
+    """A fraction, in percent in the sidebar.
+
+    It is 0 unless its switch is on; then it is ``usual`` at first.
+    """
+    declared = _option("share", label, text, usual, least=least, most=most, **more)
+    declared.default = 0.0
+    return declared
+
+
+def switch(label: str, text: str, default: bool = False, **more: Any) -> Any:
+    """Yes or no."""
+    return _option("switch", label, text, default, **more)
+
+
+def choice(
+    label: str, text: str, items: Iterable[tuple[Any, ...]], default: str | None = None, **more: Any
+) -> Any:
+    """One of several: items are those of Blender's EnumProperty; the first if none is named."""
+    items = tuple(items)
+    first = next(item[0] for item in items if item[0])
+    return _option("choice", label, text, default or first, items=items, **more)
+
+
+def several(
+    label: str, text: str, items: Iterable[tuple[Any, ...]], default: Iterable[str], **more: Any
+) -> Any:
+    """Some of several; the command line has none such."""
+    return _option(
+        "several", label, text, frozenset(default), items=tuple(items), argument="", **more
+    )
+
+
+def name_of(label: str, text: str, default: str = "", **more: Any) -> Any:
+    """A name, or another text."""
+    return _option("name", label, text, default, **more)
+
+
+def options_of(kind: type) -> Mapping[str, Option]:
+    """The options that a dataclass declares, by their names."""
+    return {each.name: each.metadata[OPTION] for each in fields(kind)}
+
+
+def is_replaced(settings: Any, name: str) -> bool:
+    """Whether another option that is on takes the place of this one."""
+    return any(
+        each.instead_of == name and each.is_in_force(settings) and getattr(settings, other)
+        for other, each in options_of(type(settings)).items()
+    )
+
+
+def in_force(settings: Any) -> dict[str, Any]:
+    """The options that count, with their values; sizes of 0 and empty names are not among them."""
+    found = {}
+    for name, option in options_of(type(settings)).items():
+        value = getattr(settings, name)
+        is_none = option.kind in ("share", "name") and not value
+        if option.is_in_force(settings) and not is_none and not is_replaced(settings, name):
+            found[name] = value
+    return found
+
+
+def keywords(settings: Any) -> dict[str, Any]:
+    """The arguments of the package that are options that count."""
+    options = options_of(type(settings))
+    return {
+        options[name].keyword: value.lower() if options[name].kind == "choice" else value
+        for name, value in in_force(settings).items()
+        if options[name].keyword
+    }

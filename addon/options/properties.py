@@ -1,0 +1,137 @@
+"""Options as properties of operators and of the sidebar."""
+
+import inspect
+from collections.abc import Iterator
+from typing import Any, ClassVar
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from .declaring import Option, options_of
+
+KINDS = {
+    "integer": IntProperty,
+    "number": FloatProperty,
+    "share": FloatProperty,
+    "switch": BoolProperty,
+    "choice": EnumProperty,
+    "several": EnumProperty,
+    "name": StringProperty,
+}
+PERCENT = 100
+OWN = ". 0 is what suits the method"
+
+
+class Choices:
+    """What a user chooses, as properties; a class of :func:`choices_of`."""
+
+    declared_by: ClassVar[type]
+
+    def settings(self) -> Any:
+        """The properties as they are, in the dataclass that declares them."""
+        kind = self.declared_by
+        return kind(**{name: _value(self, name, each) for name, each in options_of(kind).items()})
+
+    def fill(self, settings: Any) -> None:
+        """Take what ``settings`` say."""
+        options = options_of(self.declared_by)
+        for name, option in options.items():
+            value = getattr(settings, name)
+            if option.kind != "share":
+                setattr(self, name, value)
+            elif value or option.default == 0:
+                setattr(self, name, PERCENT * value)
+        for switch in {each.switch[0] for each in options.values()} - {""}:
+            sharing = [n for n, each in options.items() if each.switch[0] == switch]
+            setattr(self, switch, any(getattr(settings, name) for name in sharing))
+
+
+def choices_of(kind: type) -> type[Choices]:
+    """A base of operators and property groups, with a property for each option of ``kind``."""
+    return _class(kind, dict(_declared(kind)))
+
+
+def sidebar_of(kind: type) -> type[Choices]:
+    """The same for the sidebar: with ``shown_…``, what a share that is 0 stands for."""
+    shown = {
+        f"shown_{name}": _shown(name, option)
+        for name, option in options_of(kind).items()
+        if option.own
+    }
+    return _class(kind, {**dict(_declared(kind)), **shown})
+
+
+def property_of(kind: type, name: str) -> Any:
+    """The property of one option."""
+    return _property(options_of(kind)[name])
+
+
+def give(choices: bpy.types.PropertyGroup, target: bpy.types.OperatorProperties, to: type) -> None:
+    """Give the properties ``target`` of an operator of the class ``to`` what was chosen."""
+    for cls in to.__mro__:
+        if "declared_by" in vars(cls):
+            for name in inspect.get_annotations(cls):
+                setattr(target, name, getattr(choices, name))
+
+
+def _class(kind: type, annotations: dict[str, Any]) -> type[Choices]:
+    return type("Choices", (Choices,), {"__annotations__": annotations, "declared_by": kind})
+
+
+def _declared(kind: type) -> Iterator[tuple[str, Any]]:
+    for name, option in options_of(kind).items():
+        if option.switch[0]:
+            switch, label, text = option.switch
+            yield switch, BoolProperty(name=label, description=text)
+        yield name, _property(option)
+
+
+def _property(option: Option) -> Any:
+    given = {
+        "name": option.label,
+        "description": option.text + (OWN if option.own else ""),
+        "default": set(option.default) if option.kind == "several" else option.default,
+        "min": option.least,
+        "max": option.most,
+        "soft_min": option.soft_least,
+        "soft_max": option.soft_most,
+        "precision": option.digits,
+        "subtype": "PERCENTAGE" if option.kind == "share" else option.unit,
+        "items": option.items or None,
+        "search": option.search if callable(option.search) else None,
+        "options": {"ENUM_FLAG"} if option.kind == "several" else None,
+    }
+    return KINDS[option.kind](**{name: each for name, each in given.items() if each is not None})
+
+
+def _shown(name: str, option: Option) -> Any:
+    """A property that shows a share as it is in force: its own, until another is chosen."""
+    least = option.soft_least  # 0 stands for its own
+
+    def get(choices: Any) -> float:
+        chosen = getattr(choices, name) if getattr(choices, option.switch[0]) else 0.0
+        return chosen or PERCENT * getattr(choices.settings(), option.own)
+
+    def choose(choices: Any, value: float) -> None:
+        setattr(choices, name, max(value, least))
+
+    return FloatProperty(
+        name=option.label,
+        description=option.text,
+        subtype="PERCENTAGE",
+        min=least,
+        max=option.most,
+        precision=option.digits,
+        get=get,
+        set=choose,
+    )
+
+
+def _value(choices: Any, name: str, option: Option) -> Any:
+    value = getattr(choices, name)
+    if option.kind == "several":
+        return frozenset(value)
+    if option.kind != "share":
+        return value
+    is_on = not option.switch[0] or getattr(choices, option.switch[0])
+    return value / PERCENT if is_on else 0.0

@@ -1,0 +1,64 @@
+"""Registering what the features have.
+
+A feature's ``__init__.py`` names in FILES, in order, the files that have classes of Blender. A
+group of properties that has an ``owner``, a type of Blender's and a name, becomes a property of
+that type. VERBS are those of the command line. What FORGET names is called when Blender loads a
+file, and in the end; what WITHDRAW names, in the end.
+"""
+
+from collections.abc import Iterator
+from itertools import chain
+from types import ModuleType
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.types import Operator, Panel, PropertyGroup, UIList
+
+from . import attributes, bands, command_line, deformation, images, job, scene, segmentation
+
+# What others build on comes first.
+_PARTS: tuple[ModuleType, ...] = (
+    scene, job, bands, deformation, segmentation, attributes, images
+)  # fmt: skip
+
+
+def _all(name: str) -> list:
+    return list(chain.from_iterable(getattr(part, name, ()) for part in _PARTS))
+
+
+def _classes() -> Iterator[type]:
+    """Blender's classes, in the order in which the files have them."""
+    for file in _all("FILES"):
+        for each in vars(file).values():
+            is_own = isinstance(each, type) and each.__module__ == file.__name__
+            if is_own and issubclass(each, Operator | Panel | PropertyGroup | UIList):
+                yield each
+
+
+@persistent
+def _forget(*_arguments: object) -> None:
+    for forget in _all("FORGET"):
+        forget()
+
+
+def register() -> None:
+    """Register all of it, and listen for files being loaded."""
+    for cls in _classes():
+        bpy.utils.register_class(cls)
+        if hasattr(cls, "owner"):
+            owner, name, *override = cls.owner
+            setattr(owner, name, bpy.props.PointerProperty(type=cls, override=set(override)))
+    bpy.app.handlers.load_pre.append(_forget)
+    command_line.register(_all("VERBS"))
+
+
+def unregister() -> None:
+    """End what still runs, and withdraw all; files keep what they hold."""
+    command_line.unregister()
+    bpy.app.handlers.load_pre.remove(_forget)
+    for end in (_forget, *_all("WITHDRAW")):
+        end()
+    for cls in reversed([*_classes()]):
+        if hasattr(cls, "owner"):
+            delattr(*cls.owner[:2])
+        bpy.utils.unregister_class(cls)
