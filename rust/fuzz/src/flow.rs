@@ -8,7 +8,7 @@ use spectral_tv::flow::{
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{Scheme, run_flow};
 use spectral_tv::monitor::Monitor;
-use spectral_tv::operators::Discretization;
+use spectral_tv::discretization::Discretization;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 

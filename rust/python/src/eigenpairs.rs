@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::Eigenpairs;
-use spectral_tv::operators::Discretization;
 
 use crate::arrays;
 use crate::error::Failure;

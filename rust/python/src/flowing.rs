@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{Heat, Law, TotalVariation, conformal_mean_curvature_flow};
 use spectral_tv::memory::needs;
 use spectral_tv::method::{require_flow, run_flow};
-use spectral_tv::operators::{self, Discretization};
+use spectral_tv::operators;
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::arrays;

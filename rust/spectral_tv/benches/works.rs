@@ -11,13 +11,13 @@ use ndarray::{Array1, Array2};
 
 use spectral_tv::Result;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{Trajectory, Weights};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{
     Base, Method, Metric, Scheme, Settings, Steps, decompose, default_times, graded_times, run_flow,
 };
 use spectral_tv::monitor::Monitor;
-use spectral_tv::operators::Discretization;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 

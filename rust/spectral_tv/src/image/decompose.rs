@@ -2,13 +2,13 @@
 
 use ndarray::{Array2, Axis};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::{TotalVariation, Trajectory};
 use crate::image::grid::{COVER, Metric, TRIANGLES, grid};
 use crate::memory::needs;
 use crate::method::{Scheme, graded_times, run_flow};
 use crate::monitor::Stage;
-use crate::operators::Discretization;
 use crate::solver::Solver;
 
 /// Default times run from when a spot of this width in pixels is gone that stands out by the

@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{
     Eigenpairs, Law, Trajectory, Weights, check_times, proximal_flow, semi_implicit_flow, without,
@@ -13,7 +14,7 @@ use crate::method::representation::{Flowed, Representation};
 use crate::method::requirements::check_memory;
 use crate::method::{Base, Decomposition, Displacement, Method, default_times, relative_scales};
 use crate::monitor::Stage;
-use crate::operators::{Discretization, positions};
+use crate::operators::positions;
 use crate::solver::{Demand, Solver};
 use crate::spectral::SpectralTransform;
 

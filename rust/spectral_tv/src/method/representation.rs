@@ -2,12 +2,13 @@
 
 use ndarray::{Array2, Axis};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
 use crate::mesh::TriangleMesh;
 use crate::method::{Displacement, Method, Metric, Settings};
 use crate::monitor::Stage;
-use crate::operators::{Discretization, positions};
+use crate::operators::positions;
 
 /// One function, and the law of its flow.
 pub(super) struct Flowed {
@@ -66,7 +67,7 @@ impl Representation {
             Method::DirectionalTv { base, metric } => {
                 // What is prepared for the flow serves the base and the signs, too.
                 let solver = match settings.scheme.demand(1) {
-                    Some(demand) => operators.pattern().chosen(settings.solver, demand)?,
+                    Some(demand) => operators.chosen(settings.solver, demand)?,
                     None => settings.solver,
                 };
                 let base = base.shape(mesh, operators, solver, stage)?;

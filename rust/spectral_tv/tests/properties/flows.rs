@@ -3,11 +3,11 @@
 use ndarray::Array2;
 use proptest::prelude::*;
 
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{Eigenpairs, TotalVariation, Trajectory, Weights, proximal_flow};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{Scheme, graded_times, run_flow};
 use spectral_tv::monitor::Monitor;
-use spectral_tv::operators::Discretization;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 
