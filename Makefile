@@ -68,7 +68,7 @@ lint: $(WHEEL_STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check --quiet .
 	$(BIN)/python -m mypy
-	$(BIN)/python -m mypy.stubtest spectral_tv
+	$(BIN)/python -m mypy.stubtest spectral_tv._native
 
 extension: $(EXTENSION_STAMP)
 

@@ -9,6 +9,8 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 >>> bands = split.bands(split.band_edges(5))          # (5, V, 3), finest first
 >>> smooth = split.residual + bands[2:].sum(axis=0)   # without the two finest
 
+>>> spectral_tv.DEFAULTS["steps"], spectral_tv.METHODS["m3"].options  # what decompose takes
+
 >>> mesh = spectral_tv.Mesh(vertices, triangles, weld=1e-6)  # joins near corners
 >>> bands[:, mesh.weld_map]                            # at the vertices that were handed in
 
@@ -16,50 +18,45 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 >>> bent.vertices, bent.gap                            # (V, 3), and how near to the optimum
 """
 
+from spectral_tv._accuracy import accuracy, start_accuracy
+from spectral_tv._caricature import caricature, start_caricature
+from spectral_tv._copies import prepare
+from spectral_tv._cosegment import cosegment, start_cosegment
+from spectral_tv._decompose import (
+    decompose,
+    default_scales,
+    estimate,
+    graded_times,
+    start_decompose,
+)
+from spectral_tv._deform import deform, start_deform
+from spectral_tv._eigen import eigenpairs, eigenset_test, start_eigenset_test
+from spectral_tv._flow import conformal_flow, flow, start_flow
+from spectral_tv._image import decompose_image, start_decompose_image
 from spectral_tv._native import (
-    Accuracy,
     Cancelled,
     Decomposition,
-    Deformation,
     Deformer,
-    EigensetTest,
-    Estimate,
-    Findings,
     Flow,
     Job,
     Mesh,
     MeshError,
     MeshWarning,
     __version__,
-    accuracy,
-    caricature,
-    conformal_flow,
-    cosegment,
-    decompose,
-    decompose_image,
     default_base_time,
-    default_scales,
-    deform,
-    eigenpairs,
-    eigenset_test,
-    estimate,
-    flow,
-    graded_times,
     set_threads,
-    start_accuracy,
-    start_caricature,
-    start_cosegment,
-    start_decompose,
-    start_decompose_image,
-    start_deform,
-    start_eigenset_test,
-    start_flow,
     threads,
     total_variation,
 )
+from spectral_tv._options import DEFAULTS, METHODS, MethodFacts
+from spectral_tv._results import Accuracy, Deformation, EigensetTest, Estimate, Findings
 from spectral_tv._threads import use_threads
 
+prepare()
+
 __all__ = [
+    "DEFAULTS",
+    "METHODS",
     "Accuracy",
     "Cancelled",
     "Decomposition",
@@ -73,6 +70,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "MeshWarning",
+    "MethodFacts",
     "__version__",
     "accuracy",
     "caricature",

@@ -41,6 +41,12 @@ def assert_all_pass(whole, bands, residual, vertex_count):
     np.testing.assert_allclose(bands.sum(axis=0) + residual, whole, rtol=0, atol=1e-12 * size)
 
 
+def few(method, steps, scheme, solver):
+    """Options of a short decomposition, those that the method takes."""
+    options = {"steps": steps, "scheme": scheme, "solver": solver, "eigenpairs": 5}
+    return {name: options[name] for name in options if name in spectral_tv.METHODS[method].options}
+
+
 @pytest.mark.parametrize("name", corpus())
 @pytest.mark.parametrize("method", METHODS)
 def test_the_corpus_is_decomposed(name, method):
@@ -48,9 +54,7 @@ def test_the_corpus_is_decomposed(name, method):
     mesh = spectral_tv.Mesh(vertices, triangles)
     for scheme in SCHEMES if method in EXACT else SCHEMES[:2]:
         for solver in ("cholesky", "multigrid"):
-            job = spectral_tv.start_decompose(
-                mesh, method, steps=6, scheme=scheme, solver=solver, eigenpairs=5
-            )
+            job = spectral_tv.start_decompose(mesh, method, **few(method, 6, scheme, solver))
             split = result(job)
             bands = split.bands(split.band_edges(len(split.times) // 2))
             assert_all_pass(vertices, bands, split.residual, len(vertices))
@@ -63,9 +67,7 @@ def test_any_mesh_is_decomposed(arrays, method, scheme, solver):
     if mesh is None:
         return
     scheme = scheme if scheme != "exact" or method in EXACT else "extrapolated"
-    job = spectral_tv.start_decompose(
-        mesh, method, steps=5, scheme=scheme, solver=solver, eigenpairs=4
-    )
+    job = spectral_tv.start_decompose(mesh, method, **few(method, 5, scheme, solver))
     split = result(job)
     bands = split.bands([0, *split.times[1:-1] * (1 + 1e-9), np.inf])
     assert_all_pass(arrays[0], bands, split.residual, len(arrays[0]))

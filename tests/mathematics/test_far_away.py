@@ -24,7 +24,8 @@ def at_both_places(shape, sizes_away):
 @pytest.mark.parametrize("method", METHODS)
 def test_bands_are_those_at_the_origin(method, sizes_away):
     (away, near), offset, rounding = at_both_places(bumpy_sphere(3), sizes_away)
-    arguments = {"method": method, "steps": 10, "solver": "cholesky", "eigenpairs": 60}
+    arguments = {"method": method, "steps": 10, "solver": "cholesky"}
+    arguments |= {"eigenpairs": 60} if method == "lb" else {}
     expected, found = (spectral_tv.decompose(mesh, **arguments) for mesh in (near, away))
     # M3's base is a shape with the digits of the coordinates, and directions from it are steep.
     digits = {"m3": 20 * rounding, "displacement": rounding}.get(method, 0.0) + 1e-12

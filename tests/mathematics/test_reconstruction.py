@@ -164,5 +164,5 @@ def test_errors_are_those_of_the_flow_along_the_chosen_metric(metric):
 
 
 def test_the_metric_of_a_base_needs_one(mesh):
-    with pytest.raises(spectral_tv.MeshError, match='the metric "base" is for the method "m3"'):
+    with pytest.raises(spectral_tv.MeshError, match='metric is an option of the method "m3"'):
         spectral_tv.accuracy(mesh, "m1", [8], metric="base")

@@ -150,7 +150,7 @@ def test_shapes_and_words(mesh):
     assert isinstance(result.total_variation, float)
     assert isinstance(result.gap, float)
     assert result.iterations > 1
-    assert "162 vertices" in repr(result)
+    assert f"iterations={result.iterations}" in repr(result)
 
 
 def test_lists_and_narrow_types_will_do(mesh):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import tomllib
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import numpy as np
@@ -92,11 +93,40 @@ def test_everything_public_is_documented():
         item = getattr(spectral_tv, name)
         if name == "__version__":
             continue
+        if name.isupper():
+            assert f"{name}[" in spectral_tv.__doc__
+            continue
         assert item.__doc__, name
-        if inspect.isclass(item) and not issubclass(item, Exception):
+        if is_dataclass(item):
+            for part in fields(item):
+                assert f"{part.name} : " in item.__doc__ or not part.repr, part.name
+        elif inspect.isclass(item) and not issubclass(item, Exception):
             for attribute, member in vars(item).items():
                 if not attribute.startswith("_"):
                     assert member.__doc__, f"{name}.{attribute}"
+
+
+def test_signatures_spell_out_options_with_the_defaults_of_the_library():
+    parameters = inspect.signature(spectral_tv.decompose).parameters
+    for name, default in spectral_tv.DEFAULTS.items():
+        assert parameters[name].default == default, name
+    stepped = inspect.signature(spectral_tv.flow).parameters
+    assert [*stepped][-3:] == ["scheme", "tolerance", "solver"]
+    with pytest.raises(TypeError, match="unexpected keyword argument 'stepz'"):
+        spectral_tv.decompose(spectral_tv.Mesh(*icosphere(1)), stepz=3)
+
+
+def test_facts_of_methods_are_those_that_decompose_goes_by():
+    mesh = spectral_tv.Mesh(*icosphere(1))
+    values = {"p": 2, "base": mesh.vertices / 2, "base_time": 0.1, "metric": "base"}
+    values |= {"eigenpairs": 5, "accuracy": 0.5}
+    for method, facts in spectral_tv.METHODS.items():
+        for name, value in values.items():
+            if name in facts.options:
+                spectral_tv.decompose(mesh, method, steps=4, **{name: value})
+                continue
+            with pytest.raises(spectral_tv.MeshError, match=f"^{name} is an option of the method"):
+                spectral_tv.decompose(mesh, method, steps=4, **{name: value})
 
 
 def test_version_is_that_of_cargo():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 from pathlib import Path
 
 import numpy as np
@@ -59,16 +60,28 @@ def functions(tree):
             yield node.name, node
 
 
-def number_arguments():
-    """Function, argument and annotation of every number in the stub."""
+def annotated():
+    """Function, argument and annotation of everything that users call."""
     stub = Path(spectral_tv.__file__).with_name("_native.pyi")
     for name, node in functions(ast.parse(stub.read_text(encoding="utf-8"))):
-        arguments = [*node.args.args, *node.args.kwonlyargs]
-        for argument in arguments:
-            kind = ast.unparse(argument.annotation) if argument.annotation else ""
-            is_number = ("int" in kind or "float" in kind) and "Callable" not in kind
-            if is_number and argument.arg != "mesh" and not name.startswith("_"):
-                yield name, argument.arg, kind
+        function = getattr(spectral_tv, name.partition(".")[0], None)
+        if isinstance(function, type) or inspect.isbuiltin(function):
+            for argument in [*node.args.args, *node.args.kwonlyargs]:
+                yield name, argument.arg, ast.unparse(argument.annotation or ast.Constant(""))
+    for name in spectral_tv.__all__:
+        function = getattr(spectral_tv, name)
+        if inspect.isfunction(function):
+            for parameter in inspect.signature(function).parameters.values():
+                yield name, parameter.name, inspect.formatannotation(parameter.annotation)
+
+
+def number_arguments():
+    """Function, argument and annotation of every number."""
+    for name, argument, kind in annotated():
+        is_number = ("int" in kind or "float" in kind) and "Callable" not in kind
+        is_call = is_number and argument != "mesh" and "_" not in (name[0], argument[0])
+        if is_call and name != "use_threads" and "Progress" not in kind and "Array" not in kind:
+            yield name, argument, kind
 
 
 ARGUMENTS = [*number_arguments()]

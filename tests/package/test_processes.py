@@ -19,7 +19,7 @@ METHODS = multiprocessing.get_all_start_methods()
 FORKS = pytest.mark.skipif("fork" not in METHODS, reason="this system does not fork")
 
 START = f"""
-import os, signal, sys, threading, time, warnings
+import copy, os, signal, sys, threading, time, warnings
 sys.path.insert(0, {str(TESTS)!r})
 warnings.simplefilter("ignore", DeprecationWarning)  # of threads in a process that forks
 import numpy as np, pool_work, spectral_tv
@@ -114,7 +114,7 @@ def work():
             refused(ask, f"started in process {number}")
     refused(lambda: deformer.drag(frames[0]), f"process {number}")
     refused(lambda: deformer.solve(frames[0]), "make a new one here")
-    refused(lambda: deformer.__copy__(), "make a new one here")
+    refused(lambda: copy.copy(deformer), "make a new one here")
     anew = spectral_tv.start_decompose(mesh, steps=3)
     anew.result()
     del job, busy, running

@@ -2,18 +2,18 @@
 
 use arbitrary::Arbitrary;
 use ndarray::Array2;
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{
-    ConformalLaplace, Eigenpairs, Heat, Law, TotalVariation, conformal_mean_curvature_flow,
+    ConformalLaplace, Eigenpairs, Heat, Law, Stepping, TotalVariation,
+    conformal_mean_curvature_flow,
 };
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::method::{Scheme, run_flow};
 use spectral_tv::monitor::Monitor;
-use spectral_tv::discretization::Discretization;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::number::{number, numbers, times};
-use crate::scales::{scheme, solver};
+use crate::scales::{solver, stepping};
 use crate::{assert_finite, largest, unless_refused};
 
 /// The flow of any function by any law.
@@ -27,10 +27,8 @@ pub struct Flow {
     times: Vec<f64>,
     are_times_relative: bool,
     law: u8,
-    #[arbitrary(with = scheme)]
-    scheme: Scheme,
-    #[arbitrary(with = solver)]
-    solver: Solver,
+    #[arbitrary(with = stepping)]
+    stepping: Stepping,
     #[arbitrary(with = numbers)]
     weights: Vec<f64>,
 }
@@ -60,15 +58,9 @@ impl Flow {
             1.0
         };
         let times: Vec<f64> = self.times.iter().map(|time| scale * time).collect();
-        let outcome = run_flow(
-            &operators,
-            &*law,
-            self.scheme,
-            values.clone(),
-            &times,
-            self.solver,
-            stage,
-        );
+        let outcome = self
+            .stepping
+            .run(&operators, &*law, values.clone(), &times, stage);
         let Some(flow) = unless_refused(outcome) else {
             return;
         };

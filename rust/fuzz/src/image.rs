@@ -2,14 +2,13 @@
 
 use arbitrary::Arbitrary;
 use ndarray::Array2;
-use spectral_tv::image::{Image, Metric, Settings, decompose_image};
-use spectral_tv::method::Scheme;
+use spectral_tv::flow::Stepping;
+use spectral_tv::image::{Image, Metric, Settings, decompose_image_with};
 use spectral_tv::monitor::Monitor;
-use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::number::{number, numbers, times};
-use crate::scales::{scheme, solver};
+use crate::scales::stepping;
 use crate::{assert_finite, largest, unless_refused};
 
 /// An image of few pixels.
@@ -28,10 +27,8 @@ pub struct Pixels {
     times: Vec<f64>,
     has_times: bool,
     steps: u8,
-    #[arbitrary(with = scheme)]
-    scheme: Scheme,
-    #[arbitrary(with = solver)]
-    solver: Solver,
+    #[arbitrary(with = stepping)]
+    stepping: Stepping,
 }
 
 impl Pixels {
@@ -47,16 +44,14 @@ impl Pixels {
         let settings = Settings {
             metric: match self.is_flat {
                 true => Metric::Flat,
-                false => Metric::Surface {
-                    height: self.height,
-                },
+                false => Metric::Surface,
             },
+            height: self.height,
             times: self.has_times.then(|| self.times.clone()),
             steps: usize::from(self.steps % 7),
-            scheme: self.scheme,
-            solver: self.solver,
+            stepping: self.stepping,
         };
-        let outcome = decompose_image(&image, &settings, Monitor::new().whole());
+        let outcome = decompose_image_with(&image, &settings, Monitor::new().whole());
         let Some((flow, areas)) = unless_refused(outcome) else {
             return;
         };

@@ -2,11 +2,11 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use ndarray::Array2;
-use spectral_tv::flow::Weights;
+use spectral_tv::Named;
+use spectral_tv::flow::{Scheme, Stepping};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{
-    AccuracyRequest, Base, Exaggeration, Method, Metric, Scheme, Settings, Steps, accuracy,
-    caricature, decompose,
+    AccuracyRequest, Exaggeration, Method, Metric, Settings, accuracy, caricature, decompose_with,
 };
 use spectral_tv::monitor::Monitor;
 use spectral_tv::operators::positions;
@@ -32,7 +32,8 @@ pub struct Decompose {
 impl Decompose {
     pub fn run(&self, mesh: &TriangleMesh) {
         let settings = self.recipe.settings(mesh);
-        let Some(split) = unless_refused(decompose(mesh, &settings, Monitor::new().whole())) else {
+        let Some(split) = unless_refused(decompose_with(mesh, &settings, Monitor::new().whole()))
+        else {
             return;
         };
         let components = split.component_times().len();
@@ -66,13 +67,7 @@ impl Decompose {
 
 /// How large the coordinates of a given base are; what is measured from it is rounded likewise.
 fn base_size(settings: &Settings) -> f64 {
-    match &settings.method {
-        Method::DirectionalTv {
-            base: Base::Shape(base),
-            ..
-        } => largest(base),
-        _ => 0.0,
-    }
+    settings.base.as_ref().map_or(0.0, largest)
 }
 
 /// One filter for two shapes.
@@ -166,15 +161,11 @@ pub struct Recipe {
 impl Recipe {
     /// Few plain steps of M2, fit for segments.
     pub fn of_segments() -> Self {
-        let settings = Settings {
-            method: Method::ConformalLaplace { p: 3 },
-            times: None,
-            steps: Steps::Count(4),
-            scheme: Scheme::SemiImplicit(Weights::Extrapolated),
-            solver: Solver::Auto,
-        };
         Self {
-            settings,
+            settings: Settings {
+                steps: 4,
+                ..Settings::m2()
+            },
             base: None,
         }
     }
@@ -182,14 +173,12 @@ impl Recipe {
     /// The settings for `mesh`.
     pub fn settings(&self, mesh: &TriangleMesh) -> Settings {
         let mut settings = self.settings.clone();
-        if let (Method::DirectionalTv { base, .. } | Method::Displacement { base }, Some(moved)) =
-            (&mut settings.method, &self.base)
-        {
+        if let Some(moved) = &self.base {
             let mut shape: Array2<f64> = positions(mesh);
             for (value, shift) in shape.iter_mut().zip(moved.iter().cycle()) {
                 *value += shift;
             }
-            *base = Base::Shape(shape);
+            settings.base = Some(shape);
         }
         settings
     }
@@ -197,62 +186,41 @@ impl Recipe {
 
 impl<'a> Arbitrary<'a> for Recipe {
     fn arbitrary(input: &mut Unstructured<'a>) -> Result<Self> {
-        let base = match input.int_in_range(0..=3)? {
-            3 => Base::ConformalFlow {
-                time: Some(number(input)?),
-                steps: Some(input.int_in_range(0..=3)?),
-            },
-            _ => Base::default(),
-        };
-        let method = match input.int_in_range(0..=6)? {
-            0 => Method::Heat,
-            1 => Method::Naive,
-            2 => Method::ShapeTv,
-            3 => Method::ConformalLaplace {
-                p: input.int_in_range(0..=4)?,
-            },
-            4 => Method::DirectionalTv {
-                base,
-                metric: *input.choose(&[Metric::Surface, Metric::Base])?,
-            },
-            5 => Method::LaplaceBeltrami {
-                eigenpairs: input.int_in_range(0..=40)?,
-            },
-            _ => Method::Displacement { base },
-        };
-        let times = match input.int_in_range(0..=3)? {
-            3 => Some(times(input)?),
-            _ => None,
-        };
-        let steps = match input.int_in_range(0..=15)? {
-            15 => Steps::Accuracy(input.int_in_range(-1..=3)? as f64 / 4.0),
-            fewer => Steps::Count(6 - fewer % 7),
-        };
-        let base = match input.int_in_range(0..=3)? {
-            3 => Some(numbers(input)?),
-            _ => None,
-        };
-        Ok(Self {
-            settings: Settings {
-                method,
-                times,
-                steps,
-                scheme: scheme(input)?,
-                solver: solver(input)?,
-            },
-            base,
-        })
+        let method = *input.choose(&Method::NAMES)?;
+        let mut settings = Settings::from(method.0);
+        match settings.method {
+            Method::ConformalLaplace => settings.p = input.int_in_range(0..=4)?,
+            Method::DirectionalTv => {
+                settings.metric = *input.choose(&[Metric::Surface, Metric::Base])?;
+            }
+            Method::LaplaceBeltrami => settings.eigenpairs = input.int_in_range(0..=40)?,
+            _ => {}
+        }
+        let takes_base = settings.method.facts().takes_base;
+        let mut base = None;
+        match input.int_in_range(0..=7)? {
+            6 if takes_base => settings.base_time = Some(number(input)?),
+            7 if takes_base => base = Some(numbers(input)?),
+            _ => {}
+        }
+        if input.int_in_range(0..=3)? == 3 {
+            settings.times = Some(times(input)?);
+        }
+        match input.int_in_range(0..=15)? {
+            15 => settings.accuracy = Some(input.int_in_range(-1..=3)? as f64 / 4.0),
+            fewer => settings.steps = 6 - fewer % 7,
+        }
+        settings.stepping = stepping(input)?;
+        Ok(Self { settings, base })
     }
 }
 
-/// Any scheme.
-pub fn scheme(input: &mut Unstructured) -> Result<Scheme> {
-    Ok(match input.int_in_range(0..=2)? {
-        0 => Scheme::SemiImplicit(Weights::Lagged),
-        1 => Scheme::SemiImplicit(Weights::Extrapolated),
-        _ => Scheme::Exact {
-            tolerance: tolerance(input)?,
-        },
+/// Any way to take steps.
+pub fn stepping(input: &mut Unstructured) -> Result<Stepping> {
+    Ok(Stepping {
+        scheme: *input.choose(&[Scheme::Lagged, Scheme::Extrapolated, Scheme::Exact])?,
+        tolerance: tolerance(input)?,
+        solver: solver(input)?,
     })
 }
 

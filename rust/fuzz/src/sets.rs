@@ -23,7 +23,7 @@ impl Cosegment {
         let monitor = Monitor::new();
         let plain = Recipe::of_segments();
         let settings = self.recipe.as_ref().unwrap_or(&plain).settings(mesh);
-        let Some(split) = unless_refused(decompose(mesh, &settings, monitor.whole())) else {
+        let Some(split) = unless_refused(decompose(mesh, &settings)) else {
             return;
         };
         let segments = usize::from(self.segments % 16);

@@ -148,6 +148,12 @@ pub fn positions(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<[f64; 3]>, 
     triples(name, &numbers(name, value, NUMBERS, "float64")?)
 }
 
+/// A shape, (V, 3) numbers, as (3, V).
+pub fn shape(name: &str, value: &Bound<'_, PyAny>) -> Result<Array2<f64>, Failure> {
+    let rows = positions(name, value)?;
+    by_channel(rows.as_flattened(), rows.len(), 3)
+}
+
 /// Index triples, (F, 3) integers.
 pub fn index_triples(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<[i64; 3]>, Failure> {
     triples(name, &numbers(name, value, INTEGERS, "int64")?)

@@ -1,20 +1,23 @@
-//! The class `Decomposition` and the functions that make one.
+//! The class `Decomposition` and the function that starts to make one.
 
 use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use spectral_tv::method;
+use spectral_tv::monitor::Stage;
 use spectral_tv::spectral::{SpectralTransform, even_edges};
 
 use crate::arrays;
 use crate::error::Failure;
 use crate::flow::{Flow, Layout, claim_functions, read_trajectory, write_trajectory};
-use crate::job::{Convert, Job, Task, guarded};
+use crate::job::{Job, Task, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
-use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
-use crate::settings::{Request, gains as parse_gains};
+use crate::pickling::{Parts, Pickled, Writer};
+use crate::settings::{gains as parse_gains, settings};
 
 /// A shape split into scales by `decompose`.
 ///
@@ -130,20 +133,6 @@ impl Decomposition {
         arrays::per_vertex(py, shape.view())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
-        reduced(py, self)
-    }
-
-    /// The decomposition itself: nothing can change it.
-    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
-        this
-    }
-
-    /// The decomposition itself.
-    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
-        this
-    }
-
     fn __repr__(&self) -> String {
         let times = self.inner.times();
         format!(
@@ -190,171 +179,13 @@ impl Pickled for Decomposition {
     }
 }
 
-/// Split the shape of a mesh into scales.
-///
-/// Parameters
-/// ----------
-/// mesh : Mesh
-/// method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
-///     "m1": shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 7.3).
-///     "m2": conformalized P-Laplace, for limbs and head (Sec. 7.4).
-///     "m3": directional TV on a smooth base, keeps edges (Sec. 7.5).
-///     "naive": TV of each coordinate alone (Sec. 7.2).
-///     For comparison: "heat": linear diffusion. "lb": eigenfunctions of the Laplace–Beltrami
-///     operator (Vallet and Lévy 2008), each at the time 1/λ; the first component is what the
-///     `eigenpairs` do not hold. "displacement": the difference to a smooth base as the only
-///     component (Cignoni, Scopigno and Tarini 2005).
-/// times : (N+1,) array, optional
-///     Increasing from 0, length². Default: `steps` times, evenly spaced at first and then in
-///     log t, up to 3e-3 of the area for "m1", "naive" and "heat", 1e-2 for "m2" and 1e-3 for
-///     "m3": from skin to hands and feet, to whole limbs, to plates and muscles. For "lb" from
-///     half the last 1/λ on, up to 3e-3 of the area or more. None for "displacement".
-/// steps : int
-///     The number of steps N, where no times are given.
-/// progress : callable, optional
-///     Called with the fraction done; an exception it raises ends the work.
-/// accuracy : float, optional
-///     Take as many steps as the bands need to have this error, relative to their size and the
-///     mean of five; `steps` is then of no account, and times that are given are cut into more.
-///     0.1 is hardly seen, 0.02 is fine. The estimate takes two flows at least, of 12 and 24
-///     steps, and each that follows has up to four times the steps of the one before.
-/// scheme : {"extrapolated", "lagged", "exact"}
-///     How steps take their weights; see `flow`. "exact" is for "naive", "m1" and "m3".
-/// tolerance : float
-///     Relative duality gap of exact steps, in (0, 1).
-/// solver : {"auto", "cholesky", "multigrid"}
-///     How the linear systems of steps are solved: by what is faster at the mesh's size, by
-///     factorization, or by conjugate gradients with multigrid to 2e-6 of each increment.
-///     Exact steps are always solved by factorization.
-/// p : {3, 2, 1}
-///     The P of "m2". Only 3 is zero-homogeneous.
-/// base : (V, 3) array, optional
-///     The smooth base of "m3" and "displacement". Default: the mesh under ten steps of
-///     `conformal_flow`.
-/// base_time : float, optional
-///     How far that flow goes, length². Default: 5e-3 of the area.
-/// eigenpairs : int
-///     How many "lb" uses, the lowest; all of them if the mesh has no more. See `eigenpairs`.
-/// metric : {"surface", "base"}
-///     Whose metric drives the flow of "m3": the mesh's or its base's. With a flat base a height
-///     field is an image, and these are its spectral ATV and its spectral TV (Sec. 9.3).
-///
-/// Returns
-/// -------
-/// Decomposition
-///
-/// Raises
-/// ------
-/// MeshError
-///     If an argument is of the wrong shape, not finite, or out of range; says where.
-/// MemoryError
-///     If the work takes more than is available, before it starts.
 #[pyfunction]
-#[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, progress = None, *,
-                    accuracy = None, scheme = "extrapolated", tolerance = 1e-3,
-                    solver = "auto", p = 3, base = None, base_time = None, eigenpairs = 300,
-                    metric = "surface"))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "keyword arguments of a Python function"
-)]
-pub fn decompose(
-    py: Python<'_>,
-    mesh: &Mesh,
-    method: &str,
-    times: Option<Bound<'_, PyAny>>,
-    #[pyo3(from_py_with = parameters::steps)] steps: usize,
-    progress: Option<&Bound<'_, PyAny>>,
-    #[pyo3(from_py_with = parameters::accuracy)] accuracy: Option<f64>,
-    scheme: &str,
-    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
-    solver: &str,
-    #[pyo3(from_py_with = parameters::p)] p: u32,
-    base: Option<Bound<'_, PyAny>>,
-    #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
-    #[pyo3(from_py_with = parameters::eigenpairs)] eigenpairs: usize,
-    metric: &str,
-) -> Result<Decomposition, Failure> {
-    let request = Request {
-        method,
-        times,
-        steps,
-        accuracy,
-        scheme,
-        tolerance,
-        solver,
-        p,
-        base,
-        base_time,
-        eigenpairs,
-        metric,
-    };
-    let task = start(mesh, &request, |inner| Decomposition { inner })?;
-    task.wait(py, progress)
-}
-
-/// Start `decompose` in a thread of its own and return the `Job` at once.
-///
-/// Takes the arguments of `decompose`, without `progress`; `Job.result` gives the
-/// `Decomposition`.
-///
-/// Raises
-/// ------
-/// MeshError
-///     If an argument cannot be read; what only the work finds out, `Job.result` raises.
-#[pyfunction]
-#[pyo3(signature = (mesh, method = "m1", times = None, steps = 32, *,
-                    accuracy = None, scheme = "extrapolated", tolerance = 1e-3,
-                    solver = "auto", p = 3, base = None, base_time = None, eigenpairs = 300,
-                    metric = "surface"))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "keyword arguments of a Python function"
-)]
-pub fn start_decompose(
-    mesh: &Mesh,
-    method: &str,
-    times: Option<Bound<'_, PyAny>>,
-    #[pyo3(from_py_with = parameters::steps)] steps: usize,
-    #[pyo3(from_py_with = parameters::accuracy)] accuracy: Option<f64>,
-    scheme: &str,
-    #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
-    solver: &str,
-    #[pyo3(from_py_with = parameters::p)] p: u32,
-    base: Option<Bound<'_, PyAny>>,
-    #[pyo3(from_py_with = parameters::base_time)] base_time: Option<f64>,
-    #[pyo3(from_py_with = parameters::eigenpairs)] eigenpairs: usize,
-    metric: &str,
-) -> Result<Job, Failure> {
-    let request = Request {
-        method,
-        times,
-        steps,
-        accuracy,
-        scheme,
-        tolerance,
-        solver,
-        p,
-        base,
-        base_time,
-        eigenpairs,
-        metric,
-    };
-    let task = start(mesh, &request, |inner| -> Convert {
-        Box::new(move |py| Ok(Py::new(py, Decomposition { inner })?.into_any()))
-    })?;
-    Ok(Job::new(task))
-}
-
-/// Starts the work in a thread; `wrap` makes of its result what the thread hands over.
-fn start<T: Send + 'static>(
-    mesh: &Mesh,
-    request: &Request,
-    wrap: impl FnOnce(Arc<method::Decomposition>) -> T + Send + 'static,
-) -> Result<Task<T>, Failure> {
-    let settings = request.settings()?;
+pub fn start_decompose(mesh: &Mesh, options: &Bound<'_, PyDict>) -> Result<Job, Failure> {
+    let settings = settings(options)?;
     let mesh = Arc::clone(&mesh.inner);
-    Task::start(move |monitor| {
-        method::decompose(&mesh, &settings, monitor.whole()).map(|inner| wrap(Arc::new(inner)))
+    let work = move |stage: Stage| method::decompose_with(&mesh, &settings, stage);
+    Job::start(work, |py, split| {
+        let inner = Arc::new(split);
+        Ok(Decomposition { inner }.into_bound_py_any(py)?)
     })
 }

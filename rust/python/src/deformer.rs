@@ -8,17 +8,18 @@ use std::{process, thread};
 use ndarray::Array2;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 use spectral_tv::deformation;
 use spectral_tv::memory::needs;
 use spectral_tv::monitor::Stage;
 
 use crate::arrays;
-use crate::deformation::{Deformation, Handles, Shape, converted};
+use crate::deformation::{Handles, Shape};
 use crate::error::Failure;
-use crate::job::{Convert, Job, Task, guarded};
+use crate::job::{Job, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
-use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
+use crate::pickling::{Parts, Pickled, Writer};
 
 /// A mesh and the vertices that are constrained, to be deformed again and again.
 ///
@@ -84,13 +85,15 @@ impl Deformer {
     /// ------
     /// MeshError
     ///     If targets are of the wrong shape, not finite, or two exact ones of a vertex differ.
-    fn drag(&self, py: Python<'_>, targets: &Bound<'_, PyAny>) -> Result<Deformation, Failure> {
+    fn drag<'py>(
+        &self,
+        py: Python<'py>,
+        targets: &Bound<'py, PyAny>,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
         let targets = arrays::positions("targets", targets)?;
         let deformer = self.inner.take(py)?;
-        guarded(py, |_| {
-            let solution = deformer.get().drag(&targets)?;
-            Ok(self.shape.deformed(solution))
-        })
+        let solution = guarded(py, |_| deformer.get().drag(&targets))?;
+        self.shape.deformed(py, solution)
     }
 
     /// Deform to the optimum.
@@ -119,9 +122,8 @@ impl Deformer {
         targets: &Bound<'_, PyAny>,
         #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
         progress: Option<&Bound<'_, PyAny>>,
-    ) -> Result<Deformation, Failure> {
-        let task = self.task(targets, tolerance, |deformation| deformation)?;
-        task.wait(py, progress)
+    ) -> Result<Py<PyAny>, Failure> {
+        self.start_solve(targets, tolerance)?._wait(py, progress)
     }
 
     /// Deform to the optima for a sequence of targets, each starting from the one before: the
@@ -150,23 +152,9 @@ impl Deformer {
         targets: Vec<Bound<'_, PyAny>>,
         #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
         progress: Option<&Bound<'_, PyAny>>,
-    ) -> Result<Vec<Deformation>, Failure> {
-        let task = self.sequence_task(&targets, tolerance, |deformations| deformations)?;
-        task.wait(py, progress)
-    }
-
-    /// Start `solve_sequence` in a thread of its own and return the `Job` at once. Other calls
-    /// wait until it has ended or was cancelled.
-    #[pyo3(signature = (targets, tolerance = 1e-3))]
-    fn start_solve_sequence(
-        &self,
-        targets: Vec<Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
-    ) -> Result<Job, Failure> {
-        let task = self.sequence_task(&targets, tolerance, |deformations| -> Convert {
-            Box::new(move |py| Ok(deformations.into_pyobject(py)?.unbind()))
-        })?;
-        Ok(Job::new(task))
+    ) -> Result<Py<PyAny>, Failure> {
+        self.start_solve_sequence(targets, tolerance)?
+            ._wait(py, progress)
     }
 
     /// Start `solve` in a thread of its own and return the `Job` at once. Other calls wait until
@@ -177,23 +165,34 @@ impl Deformer {
         targets: &Bound<'_, PyAny>,
         #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     ) -> Result<Job, Failure> {
-        Ok(Job::new(self.task(targets, tolerance, converted)?))
+        let targets = arrays::positions("targets", targets)?;
+        let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
+        let work = move |stage: Stage| take(stage)?.get().solve(&targets, tolerance, stage);
+        Job::start(work, move |py, solution| shape.deformed(py, solution))
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
-        reduced(py, self)
-    }
-
-    /// Another one, that goes on from the same shape.
-    fn __copy__(&self, py: Python<'_>) -> Result<Self, Failure> {
-        let state = self.state(py)?;
-        let mesh = self.mesh.bind(py).clone();
-        Self::with(mesh, self.handles.clone(), self.softness, Some(state))
-    }
-
-    /// Another one, that goes on from the same shape.
-    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> Result<Self, Failure> {
-        self.__copy__(py)
+    /// Start `solve_sequence` in a thread of its own and return the `Job` at once. Other calls
+    /// wait until it has ended or was cancelled.
+    #[pyo3(signature = (targets, tolerance = 1e-3))]
+    fn start_solve_sequence(
+        &self,
+        targets: Vec<Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
+    ) -> Result<Job, Failure> {
+        let positions = targets.iter().map(|t| arrays::positions("targets", t));
+        let sequence = positions.collect::<Result<Vec<_>, _>>()?;
+        let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
+        let work = move |stage: Stage| {
+            take(stage)?
+                .get()
+                .solve_sequence(&sequence, tolerance, stage)
+        };
+        Job::start(work, move |py, solutions| {
+            let deformed = solutions
+                .into_iter()
+                .map(|solution| shape.deformed(py, solution));
+            Ok(PyList::new(py, deformed.collect::<Result<Vec<_>, _>>()?)?.into_any())
+        })
     }
 
     fn __repr__(&self) -> String {
@@ -246,44 +245,6 @@ impl Deformer {
             let what = "a copy of a deformer's state";
             stage.claim(needs::functions(3, vertices), what, "free some memory")?;
             Ok((displacement.clone(), is_at_rest))
-        })
-    }
-
-    fn sequence_task<T: Send + 'static>(
-        &self,
-        targets: &[Bound<'_, PyAny>],
-        tolerance: f64,
-        wrap: impl FnOnce(Vec<Deformation>) -> T + Send + 'static,
-    ) -> Result<Task<T>, Failure> {
-        let positions = targets.iter().map(|t| arrays::positions("targets", t));
-        let sequence = positions.collect::<Result<Vec<_>, _>>()?;
-        let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
-        Task::start(move |monitor| {
-            let stage = monitor.whole();
-            let deformer = take(stage)?;
-            let solutions = deformer.get().solve_sequence(&sequence, tolerance, stage)?;
-            drop(deformer);
-            let deformed = solutions
-                .into_iter()
-                .map(|solution| shape.deformed(solution));
-            Ok(wrap(deformed.collect()))
-        })
-    }
-
-    fn task<T: Send + 'static>(
-        &self,
-        targets: &Bound<'_, PyAny>,
-        tolerance: f64,
-        wrap: impl FnOnce(Deformation) -> T + Send + 'static,
-    ) -> Result<Task<T>, Failure> {
-        let targets = arrays::positions("targets", targets)?;
-        let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
-        Task::start(move |monitor| {
-            let stage = monitor.whole();
-            let deformer = take(stage)?;
-            let solution = deformer.get().solve(&targets, tolerance, stage)?;
-            drop(deformer);
-            Ok(wrap(shape.deformed(solution)))
         })
     }
 }

@@ -14,7 +14,7 @@ use crate::arrays;
 use crate::error::{Failure, refused};
 use crate::job::{Task, guarded};
 use crate::parameters;
-use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
+use crate::pickling::{Parts, Pickled, Writer};
 use crate::settings::gains as parse_gains;
 
 /// A flow sampled at N + 1 times, made by `flow` or `decompose_image`, or found in
@@ -236,20 +236,6 @@ impl Flow {
             true => array.into_any(),
             false => array.reshape([nodes])?.into_any(),
         })
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
-        reduced(py, self)
-    }
-
-    /// The flow itself: nothing can change it.
-    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
-        this
-    }
-
-    /// The flow itself.
-    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
-        this
     }
 
     fn __repr__(&self) -> String {

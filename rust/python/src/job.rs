@@ -196,7 +196,7 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
 }
 
 /// Turns what a thread made into a Python object, once the GIL is held again.
-pub type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
+type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
 
 /// Long work that runs in a thread of its own.
 ///
@@ -217,11 +217,22 @@ enum State {
 }
 
 impl Job {
-    pub fn new(task: Task<Convert>) -> Self {
-        Self {
+    /// Starts `work` in a thread; `convert` makes of its result what Python gets.
+    pub fn start<T: Send + 'static>(
+        work: impl FnOnce(Stage) -> spectral_tv::Result<T> + Send + 'static,
+        convert: impl for<'py> FnOnce(Python<'py>, T) -> Result<Bound<'py, PyAny>, Failure>
+        + Send
+        + 'static,
+    ) -> Result<Self, Failure> {
+        let task = Task::start(move |monitor| {
+            let result = work(monitor.whole())?;
+            let convert: Convert = Box::new(move |py| Ok(convert(py, result)?.unbind()));
+            Ok(convert)
+        })?;
+        Ok(Self {
             task,
             state: Mutex::new(State::Running),
-        }
+        })
     }
 
     /// Moves a result that has arrived from the thread to here; whether the work has ended.
@@ -320,6 +331,16 @@ impl Job {
         let result = result?;
         tell(progress, 1.0)?;
         Ok(result)
+    }
+
+    /// Waits for the result of a job that nobody else has: a signal such as Ctrl-C or an exception
+    /// from `progress` ends the work, and is passed on.
+    pub fn _wait(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> Result<Py<PyAny>, Failure> {
+        Ok(self.task.wait(py, progress)?(py)?)
     }
 
     fn __reduce__(&self) -> PyResult<()> {

@@ -10,7 +10,6 @@ mod eigenpairs;
 mod eigenset;
 mod error;
 mod estimate;
-mod findings;
 mod flow;
 mod flowing;
 mod image;
@@ -18,6 +17,7 @@ mod job;
 mod mesh;
 mod parameters;
 mod pickling;
+mod results;
 mod segmentation;
 mod settings;
 mod threads;
@@ -41,41 +41,35 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MeshWarning", py.get_type::<error::MeshWarning>())?;
     module.add("Cancelled", py.get_type::<error::Cancelled>())?;
     module.add_class::<mesh::Mesh>()?;
-    module.add_class::<findings::Findings>()?;
     module.add_class::<flow::Flow>()?;
     module.add_class::<decomposition::Decomposition>()?;
-    module.add_class::<accuracy::Accuracy>()?;
-    module.add_class::<deformation::Deformation>()?;
     module.add_class::<deformer::Deformer>()?;
-    module.add_class::<eigenset::EigensetTest>()?;
-    module.add_class::<estimate::Estimate>()?;
     module.add_class::<job::Job>()?;
-    module.add_function(wrap_pyfunction!(accuracy::accuracy, module)?)?;
-    module.add_function(wrap_pyfunction!(accuracy::start_accuracy, module)?)?;
-    module.add_function(wrap_pyfunction!(caricature::caricature, module)?)?;
-    module.add_function(wrap_pyfunction!(caricature::start_caricature, module)?)?;
-    module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
-    module.add_function(wrap_pyfunction!(decomposition::start_decompose, module)?)?;
-    module.add_function(wrap_pyfunction!(deformation::deform, module)?)?;
-    module.add_function(wrap_pyfunction!(deformation::start_deform, module)?)?;
-    module.add_function(wrap_pyfunction!(eigenpairs::eigenpairs, module)?)?;
-    module.add_function(wrap_pyfunction!(eigenset::eigenset_test, module)?)?;
-    module.add_function(wrap_pyfunction!(eigenset::start_eigenset_test, module)?)?;
-    module.add_function(wrap_pyfunction!(estimate::estimate, module)?)?;
-    module.add_function(wrap_pyfunction!(flowing::flow, module)?)?;
-    module.add_function(wrap_pyfunction!(flowing::start_flow, module)?)?;
-    module.add_function(wrap_pyfunction!(flowing::conformal_flow, module)?)?;
-    module.add_function(wrap_pyfunction!(flowing::total_variation, module)?)?;
-    module.add_function(wrap_pyfunction!(image::decompose_image, module)?)?;
-    module.add_function(wrap_pyfunction!(image::start_decompose_image, module)?)?;
-    module.add_function(wrap_pyfunction!(segmentation::cosegment, module)?)?;
-    module.add_function(wrap_pyfunction!(segmentation::start_cosegment, module)?)?;
-    module.add_function(wrap_pyfunction!(settings::default_base_time, module)?)?;
-    module.add_function(wrap_pyfunction!(settings::default_scales, module)?)?;
-    module.add_function(wrap_pyfunction!(settings::graded_times, module)?)?;
-    module.add_function(wrap_pyfunction!(threads::set_threads, module)?)?;
-    module.add_function(wrap_pyfunction!(threads::threads, module)?)?;
-    module.add_function(wrap_pyfunction!(threads::_use_threads, module)?)?;
-    module.add_function(wrap_pyfunction!(pickling::_restore, module)?)?;
-    Ok(())
+    for function in [
+        wrap_pyfunction!(accuracy::start_accuracy, module)?,
+        wrap_pyfunction!(caricature::start_caricature, module)?,
+        wrap_pyfunction!(decomposition::start_decompose, module)?,
+        wrap_pyfunction!(deformation::start_deform, module)?,
+        wrap_pyfunction!(eigenpairs::start_eigenpairs, module)?,
+        wrap_pyfunction!(eigenset::start_eigenset_test, module)?,
+        wrap_pyfunction!(estimate::estimate, module)?,
+        wrap_pyfunction!(flowing::start_conformal_flow, module)?,
+        wrap_pyfunction!(flowing::start_flow, module)?,
+        wrap_pyfunction!(flowing::total_variation, module)?,
+        wrap_pyfunction!(image::start_decompose_image, module)?,
+        wrap_pyfunction!(pickling::_reduced, module)?,
+        wrap_pyfunction!(pickling::_restore, module)?,
+        wrap_pyfunction!(segmentation::start_cosegment, module)?,
+        wrap_pyfunction!(settings::_facts, module)?,
+        wrap_pyfunction!(settings::default_base_time, module)?,
+        wrap_pyfunction!(settings::default_scales, module)?,
+        wrap_pyfunction!(settings::graded_times, module)?,
+        wrap_pyfunction!(threads::_use_threads, module)?,
+        wrap_pyfunction!(threads::set_threads, module)?,
+        wrap_pyfunction!(threads::threads, module)?,
+    ] {
+        module.add_function(function)?;
+    }
+    // The package says what is public.
+    module.delattr("__all__")
 }

@@ -1,5 +1,6 @@
 //! The class `Mesh`.
 
+use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::sync::Arc;
 
@@ -7,16 +8,17 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
+use spectral_tv::Named;
 use spectral_tv::memory::needs;
-use spectral_tv::mesh::{Broken, Repair, TriangleMesh};
+use spectral_tv::mesh::{self, Broken, Repair, TriangleMesh};
 use spectral_tv::monitor::Stage;
 
 use crate::arrays;
 use crate::error::{Failure, MeshWarning, refused};
-use crate::findings::Findings;
 use crate::job::guarded;
 use crate::parameters::Number;
-use crate::pickling::{Parts, Pickled, Reduced, Writer, reduced};
+use crate::pickling::{Parts, Pickled, Writer};
+use crate::results::Fields;
 
 /// A triangle mesh with N vertices, checked once.
 ///
@@ -69,7 +71,7 @@ impl Mesh {
     ) -> Result<Self, Failure> {
         let repair = Repair {
             weld: weld.as_ref().map(length).transpose()?,
-            broken: what_becomes_of_broken(broken)?,
+            broken: Broken::named(broken)?,
         };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
@@ -140,28 +142,17 @@ impl Mesh {
 
     /// What was found in the mesh, and done about it.
     #[getter]
-    fn findings(&self, py: Python<'_>) -> Result<Findings, Failure> {
-        Ok(Findings {
-            inner: guarded(py, |stage| {
-                let triangles = self.inner.triangles().len();
-                claim(stage, self.inner.vertex_count(), triangles, None)?;
-                Ok(*self.inner.findings())
-            })?,
-        })
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<Reduced<'py>, Failure> {
-        reduced(py, self)
-    }
-
-    /// The mesh itself: nothing can change it.
-    fn __copy__(this: Bound<'_, Self>) -> Bound<'_, Self> {
-        this
-    }
-
-    /// The mesh itself.
-    fn __deepcopy__<'py>(this: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
-        this
+    fn findings<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        let found = guarded(py, |stage| {
+            let triangles = self.inner.triangles().len();
+            claim(stage, self.inner.vertex_count(), triangles, None)?;
+            Ok(*self.inner.findings())
+        })?;
+        let mut fields = Fields::new(py);
+        for (name, count) in found.counts() {
+            fields = fields.with(name, count)?;
+        }
+        Ok(fields.with("told", found.to_string())?.made("Findings")?)
     }
 
     fn __repr__(&self) -> String {
@@ -189,10 +180,8 @@ impl Pickled for Mesh {
             "weld_map",
             (!is_as_it_was).then(|| self.weld_map(py)).transpose()?,
         )?;
-        parts.value(
-            "findings",
-            (!is_as_it_was).then(|| self.findings(py)).transpose()?,
-        )
+        let counts: BTreeMap<_, _> = self.inner.findings().counts().into();
+        parts.value("findings", (!is_as_it_was).then_some(counts))
     }
 
     fn read(py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
@@ -203,7 +192,10 @@ impl Pickled for Mesh {
             None => None,
         };
         let findings = match parts.optional("findings")? {
-            Some(found) => Some(found.cast::<Findings>().map_err(PyErr::from)?.get().inner),
+            Some(found) => {
+                let counts: BTreeMap<String, usize> = found.extract()?;
+                Some(mesh::Findings::of_counts(|name| counts.get(name).copied())?)
+            }
             None => None,
         };
         let mesh = guarded(py, |stage| {
@@ -251,17 +243,6 @@ fn length(weld: &Bound<'_, PyAny>) -> PyResult<f64> {
         return Err(PyTypeError::new_err(message));
     }
     f64::read("weld", weld)
-}
-
-/// The argument `broken`.
-fn what_becomes_of_broken(broken: &str) -> Result<Broken, Failure> {
-    match broken {
-        "refuse" => Ok(Broken::Refuse),
-        "drop" => Ok(Broken::Drop),
-        _ => Err(refused(format!(
-            "broken must be \"refuse\" or \"drop\", not \"{broken}\""
-        ))),
-    }
 }
 
 /// Warns whoever called.

@@ -26,8 +26,8 @@ macro_rules! named {
 }
 
 named! {
-    accuracy band bands base_time count eigenpairs finest gain height largest p refinement scales
-    seed segments smooth softness steps time tolerance
+    band bands count finest gain height largest refinement scales seed segments smooth softness steps
+    time tolerance
 }
 
 macro_rules! integers {

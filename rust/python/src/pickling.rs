@@ -9,23 +9,17 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::accuracy::Accuracy;
 use crate::arrays;
 use crate::decomposition::Decomposition;
-use crate::deformation::Deformation;
 use crate::deformer::Deformer;
-use crate::eigenset::EigensetTest;
 use crate::error::{Failure, MeshError, refused};
-use crate::estimate::Estimate;
-use crate::findings::Findings;
 use crate::flow::Flow;
 use crate::mesh::Mesh;
 
 /// To be counted up where what is written changes.
 const FORMAT: u32 = 1;
 
-/// What `__reduce__` returns: a function, and its arguments.
-pub type Reduced<'py> = (
+type Reduced<'py> = (
     Bound<'py, PyAny>,
     (&'static str, u32, &'static str, Bound<'py, PyDict>),
 );
@@ -42,8 +36,35 @@ pub trait Pickled: Sized {
     fn read(py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure>;
 }
 
-/// What `__reduce__` of the object returns.
-pub fn reduced<'py, T: Pickled>(py: Python<'py>, object: &T) -> Result<Reduced<'py>, Failure> {
+/// The classes whose objects are pickled.
+macro_rules! pickled {
+    ($($class:ident),+) => {
+        /// What pickles an object, as `__reduce__` returns it: a function, and its arguments.
+        #[pyfunction]
+        pub fn _reduced<'py>(object: &Bound<'py, PyAny>) -> Result<Reduced<'py>, Failure> {
+            $(if let Ok(object) = object.cast::<$class>() {
+                return reduced(object.py(), object.get());
+            })+
+            let class = object.get_type().name()?;
+            Err(refused(format!("spectral_tv pickles no {class}")))
+        }
+
+        fn restored<'py>(class: &str, parts: Bound<'py, PyDict>) -> Result<Bound<'py, PyAny>, Failure> {
+            let py = parts.py();
+            match class {
+                $($class::NAME => {
+                    let class = $class::NAME;
+                    Ok($class::read(py, &Parts { class, parts })?.into_bound_py_any(py)?)
+                })+
+                other => Err(refused(format!("spectral_tv pickles no {other:?}"))),
+            }
+        }
+    };
+}
+
+pickled!(Decomposition, Deformer, Flow, Mesh);
+
+fn reduced<'py, T: Pickled>(py: Python<'py>, object: &T) -> Result<Reduced<'py>, Failure> {
     let parts = Writer(PyDict::new(py));
     object.write(&parts)?;
     let restore = py.import("spectral_tv._native")?.getattr("_restore")?;
@@ -123,7 +144,6 @@ impl<'py> Parts<'py> {
 /// The object of a class that was pickled in a format, by a version of the package, with its parts.
 #[pyfunction]
 pub fn _restore<'py>(
-    py: Python<'py>,
     class: &str,
     format: u32,
     version: &str,
@@ -137,26 +157,5 @@ pub fn _restore<'py>(
         ))
         .into());
     }
-    fn made<'py, T>(
-        py: Python<'py>,
-        parts: Bound<'py, PyDict>,
-    ) -> Result<Bound<'py, PyAny>, Failure>
-    where
-        T: Pickled + IntoPyObject<'py>,
-    {
-        let class = T::NAME;
-        Ok(T::read(py, &Parts { class, parts })?.into_bound_py_any(py)?)
-    }
-    match class {
-        Accuracy::NAME => made::<Accuracy>(py, parts),
-        Decomposition::NAME => made::<Decomposition>(py, parts),
-        Deformation::NAME => made::<Deformation>(py, parts),
-        Deformer::NAME => made::<Deformer>(py, parts),
-        EigensetTest::NAME => made::<EigensetTest>(py, parts),
-        Estimate::NAME => made::<Estimate>(py, parts),
-        Findings::NAME => made::<Findings>(py, parts),
-        Flow::NAME => made::<Flow>(py, parts),
-        Mesh::NAME => made::<Mesh>(py, parts),
-        other => Err(refused(format!("spectral_tv pickles no {other:?}"))),
-    }
+    restored(class, parts)
 }

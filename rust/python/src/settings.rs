@@ -1,162 +1,108 @@
-//! Strings and keywords of the Python interface to settings of the mathematics.
+//! Options by their keywords: what the mathematics makes of them, and what is known of each.
 
-use ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use spectral_tv::flow::Weights;
-use spectral_tv::method::{self, Base, Method, Metric, Scheme, Settings, Steps, relative_scales};
-use spectral_tv::minimization::check_tolerance;
-use spectral_tv::solver::Solver;
+use pyo3::types::PyDict;
+use spectral_tv::Named;
+use spectral_tv::flow::Stepping;
+use spectral_tv::method::{self, Base, Choice, Kind, Method, OPTIONS, Settings, Value};
 
 use crate::arrays;
-use crate::error::{Failure, refused};
+use crate::error::Failure;
 use crate::job::guarded;
 use crate::parameters::{self, Number};
 
-/// The keyword arguments of `decompose` and `start_decompose`.
-pub struct Request<'a, 'py> {
-    pub method: &'a str,
-    pub times: Option<Bound<'py, PyAny>>,
-    pub steps: usize,
-    pub accuracy: Option<f64>,
-    pub scheme: &'a str,
-    pub tolerance: f64,
-    pub solver: &'a str,
-    pub p: u32,
-    pub base: Option<Bound<'py, PyAny>>,
-    pub base_time: Option<f64>,
-    pub eigenpairs: usize,
-    pub metric: &'a str,
+/// The settings of a decomposition by the keywords of their options, and "method".
+pub fn settings(options: &Bound<'_, PyDict>) -> Result<Settings, Failure> {
+    let mut settings = Settings::default();
+    for (name, value) in options {
+        let name: String = name.extract()?;
+        if name == Method::ARGUMENT {
+            settings.method = Method::named(&text(&name, &value)?)?;
+            continue;
+        }
+        let option = Choice::named(&name).ok_or_else(|| {
+            PyTypeError::new_err(format!("got an unexpected keyword argument '{name}'"))
+        })?;
+        option.set(&mut settings, read(option, &value)?)?;
+    }
+    settings.check()?;
+    Ok(settings)
 }
 
-impl<'a> Request<'a, '_> {
-    /// A method with all else by default.
-    pub fn plain(method: &'a str, steps: usize) -> Self {
-        Self {
-            method,
-            times: None,
-            steps,
-            accuracy: None,
-            scheme: "extrapolated",
-            tolerance: 1e-3,
-            solver: "auto",
-            p: 3,
-            base: None,
-            base_time: None,
-            eigenpairs: 300,
-            metric: "surface",
-        }
-    }
-
-    /// What the mathematics makes of it.
-    pub fn settings(&self) -> Result<Settings, Failure> {
-        Ok(Settings {
-            method: self.method()?,
-            times: match &self.times {
-                Some(times) => Some(arrays::list("times", times)?),
-                None => None,
-            },
-            steps: match self.accuracy {
-                Some(accuracy) => {
-                    method::check_accuracy(accuracy)?;
-                    Steps::Accuracy(accuracy)
-                }
-                None => Steps::Count(self.steps),
-            },
-            scheme: scheme(self.scheme, self.tolerance)?,
-            solver: solver(self.solver)?,
-        })
-    }
-
-    fn method(&self) -> Result<Method, Failure> {
-        if !(1..=3).contains(&self.p) {
-            let message = format!("p must be 1, 2 or 3, not {}", self.p);
-            return Err(refused(message));
-        }
-        if self.eigenpairs == 0 {
-            return Err(refused("eigenpairs must be at least 1"));
-        }
-        let has_base = matches!(self.method, "m3" | "displacement");
-        if (self.base.is_some() || self.base_time.is_some()) && !has_base {
-            let message = "base and base_time are for the methods \"m3\" and \"displacement\" only";
-            return Err(refused(message));
-        }
-        if self.base.is_some() && self.base_time.is_some() {
-            let message = "base_time smooths the mesh itself, so it does not go with base";
-            return Err(refused(message));
-        }
-        let metric = match self.metric {
-            "surface" => Metric::Surface,
-            "base" if self.method == "m3" => Metric::Base,
-            "base" => {
-                let message = "the metric \"base\" is for the method \"m3\" only";
-                return Err(refused(message));
-            }
-            other => {
-                let message = format!("metric must be \"surface\" or \"base\", not {other:?}");
-                return Err(refused(message));
-            }
-        };
-        match self.method {
-            "heat" => Ok(Method::Heat),
-            "naive" => Ok(Method::Naive),
-            "m1" => Ok(Method::ShapeTv),
-            "m2" => Ok(Method::ConformalLaplace { p: self.p }),
-            "m3" => Ok(Method::DirectionalTv {
-                base: self.base()?,
-                metric,
-            }),
-            "lb" => Ok(Method::LaplaceBeltrami {
-                eigenpairs: self.eigenpairs,
-            }),
-            "displacement" => Ok(Method::Displacement { base: self.base()? }),
-            other => Err(refused(format!(
-                "method must be \"m1\", \"m2\", \"m3\", \"naive\", \"heat\", \"lb\" or \
-                 \"displacement\", not {other:?}"
-            ))),
-        }
-    }
-
-    fn base(&self) -> Result<Base, Failure> {
-        Ok(match &self.base {
-            Some(base) => Base::Shape(shape(base)?),
-            None => Base::ConformalFlow {
-                time: self.base_time,
-                steps: None,
-            },
-        })
-    }
+/// How the steps of a flow are taken, by the same keywords.
+pub fn stepping(options: &Bound<'_, PyDict>) -> Result<Stepping, Failure> {
+    Ok(settings(options)?.stepping)
 }
 
-/// The default scales of a method relative to the area: the time from which steps are spaced
-/// in log t, and the last time.
-///
-/// Parameters
-/// ----------
-/// method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
-/// eigenpairs : int
-///     Of "lb", whose finest scale is that of the last.
-///
-/// Returns
-/// -------
-/// (float, float)
-///     t/area of the finest and the largest scale; see `graded_times`.
-///
-/// Raises
-/// ------
-/// MeshError
-///     If there is no such method.
+fn read(option: &Choice, value: &Bound<'_, PyAny>) -> Result<Value, Failure> {
+    let name = option.name;
+    if option.is_optional && value.is_none() {
+        return Ok(Value::None);
+    }
+    Ok(match option.kind {
+        Kind::Count => Value::Count(usize::read(name, value)?),
+        Kind::Number => Value::Number(f64::read(name, value)?),
+        Kind::Name => Value::Name(text(name, value)?),
+        Kind::List => Value::List(arrays::list(name, value)?),
+        Kind::Shape => Value::Shape(arrays::shape(name, value)?),
+    })
+}
+
+/// The name of a choice.
+fn text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    let refuse = |_| PyTypeError::new_err(format!("{name} must be a str, not {value}"));
+    value.extract().map_err(refuse)
+}
+
+/// One of the variants that an argument names.
+pub fn named<T: Named>(name: &Bound<'_, PyAny>) -> PyResult<T> {
+    let name = text(T::ARGUMENT, name)?;
+    T::named(&name).map_err(|error| Failure::from(error).into())
+}
+
+/// What is known of options and methods: the defaults by the names of the options, and the facts of
+/// each method by its name.
 #[pyfunction]
-#[pyo3(signature = (method, eigenpairs = 300))]
-pub fn default_scales(
-    method: &str,
-    #[pyo3(from_py_with = parameters::eigenpairs)] eigenpairs: usize,
-) -> Result<(f64, f64), Failure> {
-    let request = Request {
-        eigenpairs,
-        ..Request::plain(method, 1)
-    };
-    Ok(relative_scales(&request.method()?))
+pub fn _facts(py: Python<'_>) -> PyResult<(Bound<'_, PyDict>, Bound<'_, PyDict>)> {
+    let (defaults, methods) = (PyDict::new(py), PyDict::new(py));
+    let default = Settings::default();
+    defaults.set_item(Method::ARGUMENT, default.method.name())?;
+    for option in OPTIONS {
+        defaults.set_item(option.name, written(py, (option.get)(&default))?)?;
+    }
+    for &(method, name) in Method::NAMES {
+        let (facts, known) = (method.facts(), PyDict::new(py));
+        known.set_item("takes_steps", facts.takes_steps())?;
+        known.set_item("takes_base", facts.takes_base)?;
+        known.set_item("has_exact_steps", facts.has_exact_steps())?;
+        let options = OPTIONS.iter().filter(|option| (option.applies)(method));
+        known.set_item(
+            "options",
+            options.map(|option| option.name).collect::<Vec<_>>(),
+        )?;
+        methods.set_item(name, known)?;
+    }
+    Ok((defaults, methods))
+}
+
+fn written(py: Python<'_>, value: Value) -> PyResult<Bound<'_, PyAny>> {
+    match value {
+        Value::None => Ok(py.None().into_bound(py)),
+        Value::Count(count) => count.into_bound_py_any(py),
+        Value::Number(number) => number.into_bound_py_any(py),
+        Value::Name(name) => name.into_bound_py_any(py),
+        Value::List(numbers) => numbers.into_bound_py_any(py),
+        Value::Shape(shape) => Ok(arrays::per_vertex(py, shape.view())?.into_any()),
+    }
+}
+
+/// The finest and the largest scale of a method by default, t/area.
+#[pyfunction]
+pub fn default_scales(options: &Bound<'_, PyDict>) -> Result<(f64, f64), Failure> {
+    Ok(settings(options)?.relative_scales())
 }
 
 /// How far "m3" and "displacement" smooth their base where neither `base` nor `base_time` is given.
@@ -170,25 +116,8 @@ pub fn default_base_time() -> f64 {
     Base::default().duration(1.0)
 }
 
-/// Times for `decompose`: from 0, evenly spaced at first and from about `finest` on in log t.
-///
-/// Parameters
-/// ----------
-/// finest, largest : float
-///     Times, length². Features of the size ℓ vanish at a time of the order of ℓ².
-/// steps : int
-///     Number of steps N.
-///
-/// Returns
-/// -------
-/// (N+1,) array
-///
-/// Raises
-/// ------
-/// MeshError
-///     If steps is 0 or 0 < finest < largest does not hold.
+/// Times from 0, evenly spaced at first and from about `finest` on in log t.
 #[pyfunction]
-#[pyo3(signature = (finest, largest, steps = 32))]
 pub fn graded_times(
     py: Python<'_>,
     #[pyo3(from_py_with = parameters::finest)] finest: f64,
@@ -197,32 +126,6 @@ pub fn graded_times(
 ) -> Result<Bound<'_, PyArray1<f64>>, Failure> {
     let times = guarded(py, |_| method::graded_times(finest, largest, steps))?;
     Ok(times.into_pyarray(py))
-}
-
-/// The way steps are taken.
-pub fn scheme(name: &str, tolerance: f64) -> Result<Scheme, Failure> {
-    // Refused even where it is of no account: it is a mistake in any case.
-    check_tolerance(tolerance)?;
-    match name {
-        "lagged" => Ok(Scheme::SemiImplicit(Weights::Lagged)),
-        "extrapolated" => Ok(Scheme::SemiImplicit(Weights::Extrapolated)),
-        "exact" => Ok(Scheme::Exact { tolerance }),
-        other => Err(refused(format!(
-            "scheme must be \"lagged\", \"extrapolated\" or \"exact\", not {other:?}"
-        ))),
-    }
-}
-
-/// The way linear systems are solved.
-pub fn solver(name: &str) -> Result<Solver, Failure> {
-    match name {
-        "auto" => Ok(Solver::Auto),
-        "cholesky" => Ok(Solver::Cholesky),
-        "multigrid" => Ok(Solver::Multigrid),
-        other => Err(refused(format!(
-            "solver must be \"auto\", \"cholesky\" or \"multigrid\", not {other:?}"
-        ))),
-    }
 }
 
 /// A filter at the times of the components: its values there, or a function of a time.
@@ -234,11 +137,4 @@ pub fn gains(gains: &Bound<'_, PyAny>, times: &[f64]) -> Result<Vec<f64>, Failur
         }
         false => arrays::list("gains", gains),
     }
-}
-
-fn shape(value: &Bound<'_, PyAny>) -> Result<Array2<f64>, Failure> {
-    let rows = arrays::positions("base", value)?;
-    Ok(Array2::from_shape_fn((3, rows.len()), |(axis, vertex)| {
-        rows[vertex][axis]
-    }))
 }

@@ -12,11 +12,9 @@ use ndarray::{Array1, Array2};
 use spectral_tv::Result;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
 use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{Trajectory, Weights};
+use spectral_tv::flow::{Scheme, Stepping, Trajectory};
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::method::{
-    Base, Method, Metric, Scheme, Settings, Steps, decompose, default_times, graded_times, run_flow,
-};
+use spectral_tv::method::{Settings, decompose, graded_times};
 use spectral_tv::monitor::Monitor;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
@@ -34,12 +32,24 @@ const WORKS: [Work; 12] = [
         black_box(Discretization::new(mesh, Monitor::new().whole())?);
         Ok(())
     }),
-    ("m1 cholesky", |mesh| flow(mesh, m1(), Solver::Cholesky)),
-    ("m1 multigrid", |mesh| flow(mesh, m1(), Solver::Multigrid)),
-    ("m2 cholesky", |mesh| flow(mesh, m2(), Solver::Cholesky)),
-    ("m2 multigrid", |mesh| flow(mesh, m2(), Solver::Multigrid)),
-    ("m3 cholesky", |mesh| flow(mesh, m3(), Solver::Cholesky)),
-    ("m3 multigrid", |mesh| flow(mesh, m3(), Solver::Multigrid)),
+    ("m1 cholesky", |mesh| {
+        flow(mesh, Settings::m1(), Solver::Cholesky)
+    }),
+    ("m1 multigrid", |mesh| {
+        flow(mesh, Settings::m1(), Solver::Multigrid)
+    }),
+    ("m2 cholesky", |mesh| {
+        flow(mesh, Settings::m2(), Solver::Cholesky)
+    }),
+    ("m2 multigrid", |mesh| {
+        flow(mesh, Settings::m2(), Solver::Multigrid)
+    }),
+    ("m3 cholesky", |mesh| {
+        flow(mesh, Settings::m3(), Solver::Cholesky)
+    }),
+    ("m3 multigrid", |mesh| {
+        flow(mesh, Settings::m3(), Solver::Multigrid)
+    }),
     ("exact function", exact_function),
     ("exact shape", exact_shape),
     ("deform", deform),
@@ -98,30 +108,10 @@ fn torus() -> Result<TriangleMesh> {
     TriangleMesh::new(vertices, &triangles)
 }
 
-fn m1() -> Method {
-    Method::ShapeTv
-}
-
-fn m2() -> Method {
-    Method::ConformalLaplace { p: 3 }
-}
-
-fn m3() -> Method {
-    Method::DirectionalTv {
-        base: Base::default(),
-        metric: Metric::default(),
-    }
-}
-
-fn flow(mesh: &TriangleMesh, method: Method, solver: Solver) -> Result<()> {
-    let settings = Settings {
-        method,
-        times: None,
-        steps: Steps::Count(STEPS),
-        scheme: Scheme::SemiImplicit(Weights::Extrapolated),
-        solver,
-    };
-    black_box(decompose(mesh, &settings, Monitor::new().whole())?);
+fn flow(mesh: &TriangleMesh, mut settings: Settings, solver: Solver) -> Result<()> {
+    settings.steps = STEPS;
+    settings.stepping.solver = solver;
+    black_box(decompose(mesh, &settings)?);
     Ok(())
 }
 
@@ -142,11 +132,11 @@ fn exact(mesh: &TriangleMesh, values: Array2<f64>, times: &[f64]) -> Result<()> 
     let monitor = Monitor::new();
     let operators = Discretization::new(mesh, monitor.whole())?;
     let law = spectral_tv::flow::TotalVariation::starting_at(&operators, values.view())?;
-    let scheme = Scheme::Exact { tolerance: 1e-3 };
-    let (solver, stage) = (Solver::Auto, monitor.whole());
-    black_box(run_flow(
-        &operators, &law, scheme, values, times, solver, stage,
-    )?);
+    let stepping = Stepping {
+        scheme: Scheme::Exact,
+        ..Stepping::default()
+    };
+    black_box(stepping.run(&operators, &law, values, times, monitor.whole())?);
     Ok(())
 }
 
@@ -193,7 +183,7 @@ fn drag(mesh: &TriangleMesh) -> Result<()> {
 
 /// What is done with a flow: its spectrum, a filter, and bands cut twice.
 fn spectrum_and_filter(mesh: &TriangleMesh) -> Result<()> {
-    let times = default_times(&Method::ShapeTv, mesh.area(), 32)?;
+    let times = Settings::m1().default_times(mesh.area(), 32)?;
     let shape = spectral_tv::operators::positions(mesh);
     let monitor = Monitor::new();
     let operators = Discretization::new(mesh, monitor.whole())?;

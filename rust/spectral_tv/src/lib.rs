@@ -23,6 +23,7 @@ pub mod mesh;
 pub mod method;
 pub mod minimization;
 pub mod monitor;
+mod named;
 pub mod operators;
 mod parallel;
 pub mod segmentation;
@@ -30,3 +31,4 @@ pub mod solver;
 pub mod spectral;
 
 pub use error::{ArgumentError, Error, Fault, Result};
+pub use named::Named;

@@ -15,15 +15,17 @@ use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
 use crate::monitor::Stage;
+use crate::named::named;
 use crate::operators::{positions, total_variation};
 
 /// ε of the dual field that certifies a displacement, relative to its mean gradient.
 const CERTIFICATE_SMOOTHING: f64 = 1e-3;
 
 /// How a deformation is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Algorithm {
     /// The convex problem itself: least TV(d), to a duality gap.
+    #[default]
     Convex,
     /// Algorithm 1 of Brokman et al. 2024: reweighted least squares of the subgradient.
     Paper,
@@ -35,6 +37,16 @@ pub enum Algorithm {
     AsRigidAsPossible,
 }
 
+named!(
+    Algorithm,
+    "algorithm",
+    Convex = "convex",
+    Paper = "paper",
+    Harmonic = "harmonic",
+    Biharmonic = "biharmonic",
+    AsRigidAsPossible = "arap",
+);
+
 /// How to deform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -45,6 +57,16 @@ pub struct Settings {
     /// Relative duality gap of the convex algorithm; for the iterative others, the movement of a
     /// vertex at which they end, relative to the spread of the displacements asked for.
     pub tolerance: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            algorithm: Algorithm::default(),
+            softness: 0.0,
+            tolerance: 1e-3,
+        }
+    }
 }
 
 /// Takes the constrained vertices of `mesh` to `targets` (K positions).

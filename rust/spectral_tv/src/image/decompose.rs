@@ -4,12 +4,11 @@ use ndarray::{Array2, Axis};
 
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result, has_usable_size};
-use crate::flow::{TotalVariation, Trajectory};
+use crate::flow::{Stepping, TotalVariation, Trajectory};
 use crate::image::grid::{COVER, Metric, TRIANGLES, grid};
 use crate::memory::needs;
-use crate::method::{Scheme, graded_times, run_flow};
-use crate::monitor::Stage;
-use crate::solver::Solver;
+use crate::method::graded_times;
+use crate::monitor::{Monitor, Stage};
 
 /// Default times run from when a spot of this width in pixels is gone that stands out by the
 /// whole contrast, as are fainter ones that are larger …
@@ -60,18 +59,55 @@ impl Image {
 }
 
 /// What to decompose an image by.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// What lengths are.
     pub metric: Metric,
+    /// How high the graph is: s times the contrast, in pixels.
+    pub height: f64,
     /// N + 1 times from 0, value × pixel; `None`: graded ones.
     pub times: Option<Vec<f64>>,
     /// Number of steps N, where no times are given.
     pub steps: usize,
     /// How steps are taken.
-    pub scheme: Scheme,
-    /// How linear systems are solved.
-    pub solver: Solver,
+    pub stepping: Stepping,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            metric: Metric::default(),
+            height: 32.0,
+            times: None,
+            steps: 32,
+            stepping: Stepping::default(),
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses settings that make no sense, whatever the image.
+    ///
+    /// # Errors
+    /// If a number is out of range.
+    pub fn check(&self) -> Result<()> {
+        self.stepping.check()?;
+        match self.metric {
+            Metric::Surface if !(self.height > 0.0 && has_usable_size(self.height)) => {
+                let rule = "must be above 0 and at most 1e100";
+                Err(ArgumentError::value("height", rule, format_args!("{:?}", self.height)).into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// By how much values are multiplied to be heights.
+    fn scale(&self, contrast: f64) -> f64 {
+        match self.metric {
+            Metric::Flat => 0.0,
+            Metric::Surface => self.height / contrast,
+        }
+    }
 }
 
 /// Runs the TV flow of an image, its channels coupled; returns it with the area of every pixel,
@@ -79,12 +115,21 @@ pub struct Settings {
 /// by h is gone at t = h r/2.
 ///
 /// # Errors
-/// If the image has no grid or a value that is not finite, or as [`run_flow`].
-pub fn decompose_image(
+/// If the image has no grid or a value that is not finite, or as [`Stepping::run`].
+pub fn decompose_image(image: &Image, settings: &Settings) -> Result<(Trajectory, Vec<f64>)> {
+    decompose_image_with(image, settings, Monitor::new().whole())
+}
+
+/// [`decompose_image`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`decompose_image`], or [`crate::Error::Cancelled`].
+pub fn decompose_image_with(
     image: &Image,
     settings: &Settings,
     stage: Stage,
 ) -> Result<(Trajectory, Vec<f64>)> {
+    settings.check()?;
     image.check()?;
     let contrast = image.contrast();
     let (rows, columns) = (image.rows, image.columns);
@@ -101,12 +146,13 @@ pub fn decompose_image(
         &format!("decomposing an image of {columns} × {rows} pixels"),
         "take fewer steps, or a smaller image",
     )?;
-    let mesh = grid(&image.values, rows, columns, contrast, settings.metric)?;
+    let mesh = grid(&image.values, rows, columns, settings.scale(contrast))?;
     let operators = Discretization::new(&mesh, stage)?;
     let law = TotalVariation::starting_at(&operators, image.values.view())?;
-    let (scheme, solver) = (settings.scheme, settings.solver);
     let values = image.values.clone();
-    let mut flow = run_flow(&operators, &law, scheme, values, &times, solver, stage)?;
+    let mut flow = settings
+        .stepping
+        .run(&operators, &law, values, &times, stage)?;
     for variation in &mut flow.total_variation {
         *variation /= COVER;
     }
@@ -118,9 +164,7 @@ pub fn decompose_image(
 fn memory(image: &Image, settings: &Settings, steps: usize) -> u64 {
     let (channels, pixels) = image.values.dim();
     let triangles = pixels.saturating_mul(TRIANGLES);
-    let is_iterated = settings
-        .scheme
-        .is_iterated(settings.solver, pixels, channels);
+    let is_iterated = settings.stepping.is_iterated(pixels, channels);
     let size = needs::Size::new(pixels, triangles);
     needs::flow(size, channels, steps, is_iterated).saturating_add(needs::mesh(pixels, triangles))
 }

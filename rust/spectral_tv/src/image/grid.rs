@@ -12,6 +12,7 @@ use ndarray::Array2;
 
 use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
+use crate::named::named;
 
 /// How many times every cell is covered.
 pub(super) const COVER: f64 = 2.0;
@@ -20,19 +21,19 @@ pub(super) const COVER: f64 = 2.0;
 pub(super) const TRIANGLES: usize = 4;
 
 /// What lengths on an image are.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Metric {
     /// Those of the plane, in pixels: spectral TV.
+    #[default]
     Flat,
-    /// Those on the graph of the image, (x, y, s f) for a colour f: spectral ATV.
-    Surface {
-        /// How high the graph is: s times the contrast, in pixels.
-        height: f64,
-    },
+    /// Those on the graph of the image, (x, y, s f) for a color f: spectral ATV.
+    Surface,
 }
 
-/// The grid of an image of `rows` by `columns` pixels with the values (C, rows × columns);
-/// `contrast` is what `height` is of.
+named!(Metric, "metric", Flat = "flat", Surface = "surface");
+
+/// The grid of an image of `rows` by `columns` pixels with the values (C, rows × columns), on its
+/// graph: of a height by which the values are multiplied by `scale`, in pixels; 0 for the plane.
 ///
 /// # Errors
 /// If there are fewer than two rows or columns.
@@ -40,8 +41,7 @@ pub(super) fn grid(
     values: &Array2<f64>,
     rows: usize,
     columns: usize,
-    contrast: f64,
-    metric: Metric,
+    scale: f64,
 ) -> Result<TriangleMesh> {
     if rows < 2 || columns < 2 {
         return Err(ArgumentError::value(
@@ -62,10 +62,6 @@ pub(super) fn grid(
             triangles.extend([[a, b, c], [a, c, d], [a, b, d], [b, c, d]]);
         }
     }
-    let scale = match metric {
-        Metric::Flat => 0.0,
-        Metric::Surface { height } => height / contrast,
-    };
     TriangleMesh::with_metric(vertices, &triangles, |i, j| {
         let (p, q) = (place(i), place(j));
         let channels = values.rows().into_iter();
@@ -85,7 +81,7 @@ mod tests {
     #[test]
     fn total_variation_is_the_mean_over_the_corners() {
         let values = array![[1.0, 4.0, 2.0, 2.0, 0.0, 7.0]];
-        let mesh = grid(&values, 2, 3, 1.0, Metric::Flat).unwrap();
+        let mesh = grid(&values, 2, 3, 0.0).unwrap();
         let corner = |dx: f64, dy: f64| dx.hypot(dy) / 4.0;
         let left = corner(3., 1.) + corner(3., -4.) + corner(-2., 1.) + corner(-2., -4.);
         let right = corner(-2., -4.) + corner(-2., 5.) + corner(7., -4.) + corner(7., 5.);
@@ -97,8 +93,7 @@ mod tests {
     #[test]
     fn a_ramp_has_the_area_of_its_graph() {
         let values = Array2::from_shape_fn((1, 12), |(_, pixel)| (pixel % 4) as f64);
-        let surface = Metric::Surface { height: 4.0 };
-        let mesh = grid(&values, 3, 4, 3.0, surface).unwrap();
+        let mesh = grid(&values, 3, 4, 4.0 / 3.0).unwrap();
         let slope = 4.0_f64 / 3.0;
         assert!((mesh.area() / COVER - 6.0 * (1.0 + slope * slope).sqrt()).abs() < 1e-12);
     }

@@ -4,5 +4,5 @@
 mod decompose;
 mod grid;
 
-pub use decompose::{Image, Settings, decompose_image};
+pub use decompose::{Image, Settings, decompose_image, decompose_image_with};
 pub use grid::Metric;

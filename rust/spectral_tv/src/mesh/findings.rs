@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use crate::error::{ArgumentError, Result};
 use crate::mesh::open_edges::{OpenEdge, vertices_of};
 
 /// Counts of what was found in a mesh, and done about it, when it was read.
@@ -25,6 +26,19 @@ pub struct Findings {
     pub components: usize,
 }
 
+type Count = (&'static str, fn(&mut Findings) -> &mut usize);
+
+const COUNTS: [Count; 8] = [
+    ("border_corners", |found| &mut found.border_corners),
+    ("joined_corners", |found| &mut found.joined_corners),
+    ("closed_junctions", |found| &mut found.closed_junctions),
+    ("dropped_vertices", |found| &mut found.dropped_vertices),
+    ("dropped_triangles", |found| &mut found.dropped_triangles),
+    ("open_edges_before", |found| &mut found.open_edges_before),
+    ("open_edges", |found| &mut found.open_edges),
+    ("components", |found| &mut found.components),
+];
+
 impl Findings {
     /// What is found at these open edges, as long as nothing is done about them.
     pub(super) fn of_border(border: &[OpenEdge]) -> Self {
@@ -43,16 +57,24 @@ impl Findings {
 
     /// All counts with their names.
     pub fn counts(&self) -> [(&'static str, usize); 8] {
-        [
-            ("border_corners", self.border_corners),
-            ("joined_corners", self.joined_corners),
-            ("closed_junctions", self.closed_junctions),
-            ("dropped_vertices", self.dropped_vertices),
-            ("dropped_triangles", self.dropped_triangles),
-            ("open_edges_before", self.open_edges_before),
-            ("open_edges", self.open_edges),
-            ("components", self.components),
-        ]
+        let mut counts = *self;
+        COUNTS.map(|(name, of)| (name, *of(&mut counts)))
+    }
+
+    /// Findings with these counts, by their names.
+    ///
+    /// # Errors
+    /// If one is missing.
+    pub fn of_counts(count: impl Fn(&str) -> Option<usize>) -> Result<Self> {
+        let mut found = Self::default();
+        for (name, of) in COUNTS {
+            let missing = || {
+                let reason = format!("findings must have a count {name:?}");
+                ArgumentError::empty("findings", reason)
+            };
+            *of(&mut found) = count(name).ok_or_else(missing)?;
+        }
+        Ok(found)
     }
 
     /// What was dropped, as a part of a sentence.

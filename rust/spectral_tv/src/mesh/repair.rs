@@ -6,6 +6,7 @@ use crate::error::{ArgumentError, Error, Result, has_usable_size};
 use crate::mesh::findings::{Findings, counted, counted_as, grouped};
 use crate::mesh::open_edges::open_edges;
 use crate::mesh::weld::{check_tolerance, weld};
+use crate::named::named;
 
 /// What is done to a mesh when it is read.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,6 +31,8 @@ pub enum Broken {
     /// They are dropped, with all their triangles.
     Drop,
 }
+
+named!(Broken, "broken", Refuse = "refuse", Drop = "drop");
 
 /// Where every vertex went.
 pub(super) type WeldMap = Vec<Option<u32>>;

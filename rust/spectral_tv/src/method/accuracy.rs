@@ -10,14 +10,14 @@ use ndarray::{Array2, Axis};
 
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result};
-use crate::flow::{Weights, check_steps, velocity};
+use crate::flow::{Scheme, check_steps, velocity};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::band_errors::{band_errors, bands, lengths};
-use crate::method::decompose::{Scheme, Settings, run_flows};
-use crate::method::representation::{Flowed, Representation};
+use crate::method::decompose::run_flows;
+use crate::method::representation::{Flowed, Representation, no_time_steps};
 use crate::method::requirements::decomposition_memory_of;
-use crate::method::{Steps, default_times, graded_times};
+use crate::method::{Settings, graded_times};
 use crate::monitor::Stage;
 use crate::spectral::{SpectralTransform, even_edges};
 
@@ -82,8 +82,12 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
     }
     let times = |steps: usize| match request.scales {
         Some((finest, largest)) => graded_times(finest, largest, steps),
-        None => default_times(&settings.method, mesh.area(), steps),
+        None => settings.default_times(mesh.area(), steps),
     };
+    settings.check()?;
+    if !settings.method.facts().takes_steps() {
+        return Err(no_time_steps());
+    }
     for &count in steps {
         if count < 2 {
             return Err(ArgumentError::value("steps", "must be at least 2", count).into());
@@ -114,13 +118,11 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
             |done: usize| REPRESENTATION_SHARE + (1.0 - REPRESENTATION_SHARE) * done as f64 / work;
         let stage = stage.stage(share(done), share(done + count));
         done += count;
-        let settings = Settings {
-            scheme,
-            ..settings.clone()
-        };
+        let mut settings = settings.clone();
+        settings.stepping.scheme = scheme;
         run_flows(&operators, &flows, &settings, &times(count)?, stage)
     };
-    let refined = bands(&run(settings.scheme, refined)?, &edges);
+    let refined = bands(&run(settings.stepping.scheme, refined)?, &edges);
     let mut measure = |scheme: Scheme, is_paper: bool| {
         let mut errors = Errors {
             all_pass: Array2::zeros((0, mesh.vertex_count())),
@@ -151,8 +153,8 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
         }
         Ok::<_, Error>(errors)
     };
-    let ours = measure(settings.scheme, false)?;
-    let paper = measure(Scheme::SemiImplicit(Weights::Lagged), true)?;
+    let ours = measure(settings.stepping.scheme, false)?;
+    let paper = measure(Scheme::Lagged, true)?;
     stage.report(1.0)?;
     Ok(Accuracy {
         steps: steps.clone(),
@@ -166,7 +168,8 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
 fn memory(mesh: &TriangleMesh, request: &AccuracyRequest, refined: usize) -> u64 {
     let settings = Settings {
         times: None,
-        steps: Steps::Count(refined),
+        steps: refined,
+        accuracy: None,
         ..request.settings.clone()
     };
     let functions = 6_usize.saturating_mul(request.bands) + 8 * request.steps.len();

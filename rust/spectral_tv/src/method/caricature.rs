@@ -6,7 +6,7 @@ use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::requirements::decomposition_memory_of;
-use crate::method::{Settings, decompose};
+use crate::method::{Settings, decompose_with};
 use crate::monitor::Stage;
 
 /// The filter: H = 0 below `smooth`, `gain` from `from` to `to`, 1 elsewhere. Times are relative to
@@ -68,7 +68,7 @@ impl Exaggeration {
 /// The shapes (3, V) of `meshes`, each decomposed by itself and filtered alike.
 ///
 /// # Errors
-/// If the filter makes no sense, or as [`decompose`].
+/// If the filter makes no sense, or as [`crate::method::decompose`].
 pub fn caricature(
     meshes: &[&TriangleMesh],
     settings: &Settings,
@@ -76,6 +76,7 @@ pub fn caricature(
     stage: Stage,
 ) -> Result<Vec<Array2<f64>>> {
     filter.check()?;
+    settings.check()?;
     let most = meshes
         .iter()
         .map(|mesh| decomposition_memory_of(mesh, settings));
@@ -90,7 +91,7 @@ pub fn caricature(
     let share = 1.0 / meshes.len().max(1) as f64;
     let treat = |(index, mesh): (usize, &&TriangleMesh)| {
         let stage = stage.stage(share * index as f64, share * (index + 1) as f64);
-        let split = decompose(mesh, settings, stage)?;
+        let split = decompose_with(mesh, settings, stage)?;
         let times = split.component_times().iter();
         let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();
         split.filter(&gains)

@@ -8,13 +8,14 @@ use crate::flow::conformal_mean_curvature_flow;
 use crate::mesh::TriangleMesh;
 use crate::method::outward::outward_signs;
 use crate::monitor::Stage;
+use crate::named::named;
 use crate::operators::positions;
 use crate::solver::Solver;
 
 /// How far cMCF flows for the default base, relative to the surface area, and in how many
 /// steps: enough to swallow limbs and leave a smooth body.
 const BASE_TIME: f64 = 5e-3;
-const BASE_STEPS: usize = 10;
+pub(super) const BASE_STEPS: usize = 10;
 /// Distances from the base below this, relative to the shape's size, have no direction.
 const COINCIDENT: f64 = 1e-12;
 
@@ -29,6 +30,8 @@ pub enum Metric {
     Base,
 }
 
+named!(Metric, "metric", Surface = "surface", Base = "base");
+
 /// The smooth base Ŝ of M3.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Base {
@@ -36,8 +39,6 @@ pub enum Base {
     ConformalFlow {
         /// Duration in length²; `None`: 5e-3 of the area.
         time: Option<f64>,
-        /// Number of equal steps; `None`: 10.
-        steps: Option<usize>,
     },
     /// Any shape with the same triangles, (3, V).
     Shape(Array2<f64>),
@@ -45,10 +46,7 @@ pub enum Base {
 
 impl Default for Base {
     fn default() -> Self {
-        Self::ConformalFlow {
-            time: None,
-            steps: None,
-        }
+        Self::ConformalFlow { time: None }
     }
 }
 
@@ -74,7 +72,7 @@ impl Base {
         stage: Stage,
     ) -> Result<Array2<f64>> {
         match self {
-            Self::ConformalFlow { steps, .. } => {
+            Self::ConformalFlow { .. } => {
                 let duration = self.duration(mesh.area());
                 if !(duration > 0.0 && has_usable_size(duration)) {
                     return Err(ArgumentError::value(
@@ -84,8 +82,7 @@ impl Base {
                     )
                     .into());
                 }
-                let steps = steps.unwrap_or(BASE_STEPS);
-                conformal_mean_curvature_flow(mesh, operators, duration, steps, solver, stage)
+                conformal_mean_curvature_flow(mesh, operators, duration, BASE_STEPS, solver, stage)
             }
             Self::Shape(shape) => {
                 if shape.dim() != (3, mesh.vertex_count()) {

@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use crate::discretization::Discretization;
 use crate::error::Result;
-use crate::flow::{TotalVariation, Weights};
+use crate::flow::{Scheme, Stepping, TotalVariation};
 use crate::memory::needs::Size;
 use crate::mesh::TriangleMesh;
-use crate::method::requirements::{check_step_count, is_iterated, step_count};
-use crate::method::{Method, Scheme, Settings, graded_times, run_flow};
+use crate::method::facts::Work;
+use crate::method::{Settings, graded_times};
 use crate::monitor::Monitor;
 use crate::operators::positions;
 use crate::solver::Solver;
@@ -38,7 +38,7 @@ pub fn decomposition_duration(
     triangles: usize,
     settings: &Settings,
 ) -> Result<f64> {
-    check_step_count(settings)?;
+    settings.check()?;
     let size = Size::new(vertices, triangles).count() as f64;
     Ok(pace()? * size * steps_worth(size, settings) / speedup(size))
 }
@@ -52,38 +52,38 @@ fn speedup(size: f64) -> f64 {
 /// The work at each vertex of a mesh of this size, in sixths of the small flow: fitted to what
 /// every method took on 10 000 to 655 000 vertices.
 fn steps_worth(size: f64, settings: &Settings) -> f64 {
-    let steps = step_count(settings) as f64;
-    let scheme = match settings.scheme {
-        Scheme::SemiImplicit(Weights::Extrapolated) => 1.0,
-        Scheme::SemiImplicit(Weights::Lagged) => 0.47,
-        Scheme::Exact { .. } => 1.9,
+    let steps = settings.step_count() as f64;
+    let scheme = match settings.stepping.scheme {
+        Scheme::Extrapolated => 1.0,
+        Scheme::Lagged => 0.47,
+        Scheme::Exact => 1.9,
     };
     // A step of three channels and of one. Factors fill up as the mesh grows, and iterations miss
     // the caches.
-    let (three, one) = match is_iterated(settings, size as usize) {
+    let (three, one) = match settings.is_iterated(size as usize) {
         true => {
             let step = scheme * 1.15 * (size / 4e4).max(0.1).powf(0.19);
             (step, 1.9 * step)
         }
         false => {
-            let step = scheme * 0.76 * (size / (SIDE * SIDE) as f64).max(1.0).powf(0.27);
+            let step = scheme * 0.68 * (size / (SIDE * SIDE) as f64).max(1.0).powf(0.27);
             (step, 0.8 * step)
         }
     };
-    let base = 6.5 * (size / 1e4).max(0.1).powf(0.25);
-    let worth = match &settings.method {
-        Method::ShapeTv => steps * three,
-        Method::ConformalLaplace { .. } => 1.2 * steps * three,
-        Method::Heat => 0.5 * steps * three,
-        Method::Naive => 3.0 * steps * one,
-        Method::DirectionalTv { .. } => base + steps * one,
-        Method::LaplaceBeltrami { eigenpairs } => {
-            let count = (*eigenpairs as f64).min(size);
+    let facts = settings.method.facts();
+    let base = match facts.takes_base {
+        true => 6.5 * (size / 1e4).max(0.1).powf(0.25),
+        false => 0.0,
+    };
+    let worth = match facts.work {
+        Work::Flow { solved, cost, .. } => steps * cost * if solved == 1 { one } else { three },
+        Work::Eigenpairs => {
+            let count = (settings.eigenpairs as f64).min(size);
             1.9 * count + 1.6e-3 * count.powi(2)
         }
-        Method::Displacement { .. } => base,
+        Work::Base => 0.0,
     };
-    PREPARATION + worth
+    PREPARATION + base + worth
 }
 
 /// Seconds that a vertex takes one thread in a step of the small flow, measured once: the shortest
@@ -124,17 +124,12 @@ fn measured_pace() -> Result<f64> {
     let operators = Discretization::new(&mesh, stage)?;
     let shape = positions(&mesh);
     let law = TotalVariation::starting_at(&operators, shape.view())?;
-    let scheme = Scheme::SemiImplicit(Weights::Extrapolated);
+    let stepping = Stepping {
+        solver: Solver::Cholesky,
+        ..Stepping::default()
+    };
     let start = Instant::now();
-    run_flow(
-        &operators,
-        &law,
-        scheme,
-        shape,
-        &times,
-        Solver::Cholesky,
-        stage,
-    )?;
+    stepping.run(&operators, &law, shape, &times, stage)?;
     let taken = start.elapsed().as_secs_f64();
     Ok(taken / (mesh.vertex_count() as f64 * STEPS as f64))
 }
@@ -142,16 +137,13 @@ fn measured_pace() -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::Steps;
 
     fn duration(vertices: usize, steps: usize) -> f64 {
-        let settings = Settings {
-            method: Method::ShapeTv,
-            times: None,
-            steps: Steps::Count(steps),
-            scheme: Scheme::SemiImplicit(Weights::Extrapolated),
-            solver: Solver::Cholesky,
+        let mut settings = Settings {
+            steps,
+            ..Settings::m1()
         };
+        settings.stepping.solver = Solver::Cholesky;
         decomposition_duration(vertices, 2 * vertices, &settings).unwrap()
     }
 

@@ -3,9 +3,10 @@
 use ndarray::{Array2, Axis};
 
 use crate::discretization::Discretization;
-use crate::error::{ArgumentError, Result};
+use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
 use crate::mesh::TriangleMesh;
+use crate::method::facts::named_where;
 use crate::method::{Displacement, Method, Metric, Settings};
 use crate::monitor::Stage;
 use crate::operators::positions;
@@ -48,7 +49,7 @@ impl Representation {
         let shape = positions(mesh);
         let mut displacement = None;
         let mut along = None;
-        let flows = match &settings.method {
+        let flows = match settings.method {
             Method::Heat => vec![Flowed {
                 law: Box::new(Heat),
                 values: shape,
@@ -60,19 +61,20 @@ impl Representation {
                     .collect::<Result<_>>()?
             }
             Method::ShapeTv => vec![tv(shape)?],
-            Method::ConformalLaplace { p } => vec![Flowed {
-                law: Box::new(ConformalLaplace::new(mesh, operators, *p)?),
+            Method::ConformalLaplace => vec![Flowed {
+                law: Box::new(ConformalLaplace::new(mesh, operators, settings.p)?),
                 values: shape,
             }],
-            Method::DirectionalTv { base, metric } => {
+            Method::DirectionalTv => {
                 // What is prepared for the flow serves the base and the signs, too.
-                let solver = match settings.scheme.demand(1) {
-                    Some(demand) => operators.chosen(settings.solver, demand)?,
-                    None => settings.solver,
+                let solver = settings.stepping.solver;
+                let solver = match settings.stepping.demand(1) {
+                    Some(demand) => operators.chosen(solver, demand)?,
+                    None => solver,
                 };
-                let base = base.shape(mesh, operators, solver, stage)?;
+                let base = settings.base().shape(mesh, operators, solver, stage)?;
                 let found = Displacement::between(mesh, operators, base, solver, stage)?;
-                let flowed = match metric {
+                let flowed = match settings.metric {
                     Metric::Surface => tv(found.distance.clone())?,
                     Metric::Base => {
                         let base = with_shape(mesh, &found.base)?;
@@ -85,10 +87,7 @@ impl Representation {
                 displacement = Some(found);
                 vec![flowed]
             }
-            Method::LaplaceBeltrami { .. } | Method::Displacement { .. } => {
-                let message = "the methods \"lb\" and \"displacement\" take no time steps";
-                return Err(ArgumentError::inapplicable("steps", message).into());
-            }
+            Method::LaplaceBeltrami | Method::Displacement => return Err(no_time_steps()),
         };
         Ok(Self {
             flows,
@@ -96,6 +95,12 @@ impl Representation {
             along,
         })
     }
+}
+
+/// What a method is refused with where one is asked for that flows in steps.
+pub(super) fn no_time_steps() -> Error {
+    let methods = named_where(|method| !method.facts().takes_steps(), "and");
+    ArgumentError::inapplicable("steps", format!("{methods} take no time steps")).into()
 }
 
 /// The triangles of `mesh` between the positions `shape` (3, V).

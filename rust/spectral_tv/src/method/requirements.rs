@@ -1,11 +1,11 @@
 //! What a decomposition takes, before it starts.
 
 use crate::error::Result;
-use crate::flow::check_steps;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
-use crate::method::adaptive_steps::FEWEST_STEPS;
-use crate::method::{Method, Settings, Steps};
+use crate::method::Settings;
+use crate::method::directional::BASE_STEPS;
+use crate::method::facts::Work;
 use crate::monitor::Stage;
 
 /// For refusals.
@@ -17,27 +17,25 @@ const FEWER: &str = "take fewer eigenpairs, or a mesh of fewer vertices";
 /// which are the least it takes.
 pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settings) -> u64 {
     let size = needs::Size::new(vertices, triangles);
-    let steps = step_count(settings);
-    let is_iterated = is_iterated(settings, vertices);
-    let flow = |channels: usize, steps: usize| needs::flow(size, channels, steps, is_iterated);
-    match &settings.method {
-        Method::Heat | Method::ShapeTv | Method::ConformalLaplace { .. } => flow(3, steps),
-        // One by one, and then together.
-        Method::Naive => flow(6, steps),
-        Method::DirectionalTv { .. } => flow(1, steps).saturating_add(needs::base(size)),
-        Method::LaplaceBeltrami { eigenpairs } => {
-            let pairs = needs::eigenpairs(size, (*eigenpairs).min(vertices));
-            // The states come when the basis has gone, but not the eigenfunctions.
-            pairs.max(needs::flow(
-                size,
-                (*eigenpairs)
-                    .min(vertices)
-                    .saturating_add(steps.saturating_mul(3)),
-                1,
-                false,
-            ))
+    let steps = settings.step_count();
+    let is_iterated = settings.is_iterated(vertices);
+    let facts = settings.method.facts();
+    match facts.work {
+        Work::Flow { held, .. } => {
+            let base = if facts.takes_base {
+                needs::base(size)
+            } else {
+                0
+            };
+            needs::flow(size, held, steps, is_iterated).saturating_add(base)
         }
-        Method::Displacement { .. } => flow(3, 10),
+        Work::Eigenpairs => {
+            let count = settings.eigenpairs.min(vertices);
+            // The states come when the basis has gone, but not the eigenfunctions.
+            let functions = count.saturating_add(steps.saturating_mul(3));
+            needs::eigenpairs(size, count).max(needs::flow(size, functions, 1, false))
+        }
+        Work::Base => needs::flow(size, 3, BASE_STEPS, is_iterated),
     }
 }
 
@@ -46,52 +44,15 @@ pub(super) fn decomposition_memory_of(mesh: &TriangleMesh, settings: &Settings) 
     decomposition_memory(mesh.vertex_count(), mesh.triangles().len(), settings)
 }
 
-/// Whether the systems of a method's flow on so many vertices are surely solved by iteration.
-pub(super) fn is_iterated(settings: &Settings, vertices: usize) -> bool {
-    let channels = match settings.method {
-        Method::Naive | Method::DirectionalTv { .. } => 1,
-        _ => 3,
-    };
-    settings
-        .scheme
-        .is_iterated(settings.solver, vertices, channels)
-}
-
-/// Refuses a number of steps that no flow takes.
-///
-/// # Errors
-/// As [`check_steps`], where it is the number that counts.
-pub(super) fn check_step_count(settings: &Settings) -> Result<()> {
-    let has_steps = !matches!(settings.method, Method::Displacement { .. });
-    match (settings.steps, &settings.times) {
-        (Steps::Count(count), None) if has_steps => check_steps(count),
-        _ => Ok(()),
-    }
-}
-
-/// Steps that are taken and kept; of an accuracy those of the first two flows.
-pub(super) fn step_count(settings: &Settings) -> usize {
-    let given = settings
-        .times
-        .as_ref()
-        .map(|times| times.len().saturating_sub(1));
-    match settings.steps {
-        Steps::Count(count) => given.unwrap_or(count),
-        // The flow with so many steps, and twice as many.
-        Steps::Accuracy(_) => given.unwrap_or(0).max(FEWEST_STEPS).saturating_mul(3),
-    }
-}
-
 /// Refuses to decompose what does not fit into the memory that is available.
 ///
 /// # Errors
-/// [`crate::Error::Memory`], or as [`check_step_count`].
+/// [`crate::Error::Memory`].
 pub(super) fn check_memory(mesh: &TriangleMesh, settings: &Settings, stage: Stage) -> Result<()> {
-    check_step_count(settings)?;
     let vertices = mesh.vertex_count();
     let needed = decomposition_memory_of(mesh, settings);
-    let advice = match settings.method {
-        Method::LaplaceBeltrami { .. } => FEWER,
+    let advice = match settings.method.facts().work {
+        Work::Eigenpairs => FEWER,
         _ => ADVICE,
     };
     stage.require(needed, &format!("decomposing {vertices} vertices"), advice)
@@ -100,36 +61,31 @@ pub(super) fn check_memory(mesh: &TriangleMesh, settings: &Settings, stage: Stag
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flow::Weights;
-    use crate::method::Scheme;
-    use crate::solver::Solver;
+    use crate::method::Method;
 
     #[test]
     fn more_steps_vertices_and_eigenpairs_take_more() {
-        let settings = |method: Method, steps: usize| Settings {
-            method,
-            times: None,
-            steps: Steps::Count(steps),
-            scheme: Scheme::SemiImplicit(Weights::Lagged),
-            solver: Solver::Auto,
+        let bytes = |vertices: usize, settings: &Settings| {
+            decomposition_memory(vertices, vertices.saturating_mul(2), settings)
         };
-        let bytes = |vertices: usize, method: Method, steps: usize| {
-            decomposition_memory(
-                vertices,
-                vertices.saturating_mul(2),
-                &settings(method, steps),
-            )
+        let flow = |steps: usize| Settings {
+            steps,
+            ..Settings::m1()
         };
         // A million vertices: single precision, 12 bytes for each step and vertex.
-        let growth = bytes(1_000_000, Method::ShapeTv, 40) - bytes(1_000_000, Method::ShapeTv, 30);
+        let growth = bytes(1_000_000, &flow(40)) - bytes(1_000_000, &flow(30));
         assert_eq!(growth, 120_000_000);
-        assert!(bytes(2_000, Method::Heat, 8) < bytes(3_000, Method::Heat, 8));
-        let pairs = |eigenpairs| Method::LaplaceBeltrami { eigenpairs };
-        assert!(bytes(9_000, pairs(100), 8) < bytes(9_000, pairs(200), 8));
+        let heat = Settings::from(Method::Heat);
+        assert!(bytes(2_000, &heat) < bytes(3_000, &heat));
+        let pairs = |eigenpairs| Settings {
+            eigenpairs,
+            ..Method::LaplaceBeltrami.into()
+        };
+        assert!(bytes(9_000, &pairs(100)) < bytes(9_000, &pairs(200)));
         assert_eq!(
-            bytes(9_000, pairs(9_000), 8),
-            bytes(9_000, pairs(usize::MAX), 8)
+            bytes(9_000, &pairs(9_000)),
+            bytes(9_000, &pairs(usize::MAX))
         );
-        assert!(bytes(usize::MAX, Method::ShapeTv, usize::MAX) == u64::MAX);
+        assert!(bytes(usize::MAX, &flow(usize::MAX)) == u64::MAX);
     }
 }

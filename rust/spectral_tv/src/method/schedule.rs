@@ -1,26 +1,10 @@
-//! Default time nodes.
-
-use std::f64::consts::PI;
+//! Time nodes from the finest scale to the largest.
 
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::check_steps;
-use crate::method::Method;
 
-/// N + 1 times from 0 for N = `steps`, length²: t_k = c ((1 + t_N/c)^(k/N) − 1), evenly spaced
-/// at first and from about c on in log t.
-///
-/// c and t_N are fractions of the surface `area` that depend on the method, so one filter means
-/// the same on every pose and size.
-///
-/// # Errors
-/// If `steps` is 0.
-pub fn default_times(method: &Method, area: f64, steps: usize) -> Result<Vec<f64>> {
-    let (finest, largest) = relative_scales(method);
-    graded_times(area * finest, area * largest, steps)
-}
-
-/// N + 1 times from 0 to `largest` for N = `steps`, length²: evenly spaced at first and from
-/// about `finest` on in log t.
+/// N + 1 times from 0 to `largest` for N = `steps`, length²: t_k = c ((1 + t_N/c)^(k/N) − 1) with
+/// c = `finest`, evenly spaced at first and from about c on in log t.
 ///
 /// # Errors
 /// If `steps` is 0, 0 < `finest` < `largest` does not hold, or they are too far apart or too small
@@ -53,22 +37,6 @@ pub fn graded_times(finest: f64, largest: f64, steps: usize) -> Result<Vec<f64>>
             ),
         )
         .into()),
-    }
-}
-
-/// c and t_N relative to the area, as [`default_times`] takes them: from the skin to the largest
-/// feature that the method is for. The flow ends while the body still stands, so that the residual
-/// is one.
-pub fn relative_scales(method: &Method) -> (f64, f64) {
-    match method {
-        Method::Heat | Method::Naive | Method::ShapeTv => (1e-5, 3e-3),
-        // Weyl's law: the K-th eigenvalue of a surface is near 4πK/area.
-        Method::LaplaceBeltrami { eigenpairs } => {
-            let finest = 1.0 / (4.0 * PI * *eigenpairs as f64);
-            (finest, (8.0 * finest).max(3e-3))
-        }
-        Method::ConformalLaplace { .. } => (1.5e-5, 1e-2),
-        Method::DirectionalTv { .. } | Method::Displacement { .. } => (1.5e-5, 1e-3),
     }
 }
 

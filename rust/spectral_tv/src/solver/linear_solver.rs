@@ -6,6 +6,7 @@ use sprs::CsMatI;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::named::named;
 use crate::parallel;
 use crate::solver::graph::Graph;
 use crate::solver::{Cholesky, Multigrid, Symbolic};
@@ -39,6 +40,14 @@ pub enum Solver {
     /// By conjugate gradients with multigrid: linear in time and memory.
     Multigrid,
 }
+
+named!(
+    Solver,
+    "solver",
+    Auto = "auto",
+    Cholesky = "cholesky",
+    Multigrid = "multigrid",
+);
 
 impl Solver {
     /// Whether systems of so many unknowns are solved by iteration, whatever couples them.

@@ -4,39 +4,43 @@ use nalgebra::{Rotation3, Vector3};
 use ndarray::{Array2, Axis};
 use proptest::prelude::*;
 
-use spectral_tv::flow::Weights;
+use spectral_tv::flow::{Scheme, Stepping};
 use spectral_tv::image::{self, Image, decompose_image};
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::method::{Decomposition, Method, Scheme, Settings, Steps, decompose};
-use spectral_tv::monitor::Monitor;
+use spectral_tv::method::{Decomposition, Settings, decompose};
 use spectral_tv::operators::positions;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::even_edges;
 
-use crate::random::{equivariant_method, mesh, method, scheme, solver};
+use crate::random::{equivariant_settings, mesh, settings, stepping};
 use crate::{STEPS, config, distance};
 
-pub fn split(
-    mesh: &TriangleMesh,
-    method: &Method,
-    scheme: Scheme,
-    solver: Solver,
-) -> Decomposition {
-    let is_tv = matches!(
-        method,
-        Method::Naive | Method::ShapeTv | Method::DirectionalTv { .. }
-    );
-    let settings = Settings {
-        method: method.clone(),
-        times: None,
-        steps: Steps::Count(STEPS),
-        scheme: match is_tv {
-            true => scheme,
-            false => Scheme::SemiImplicit(Weights::Extrapolated),
-        },
-        solver,
+/// A decomposition in steps of some kind, or as by default where the method has none of that kind.
+pub fn split(mesh: &TriangleMesh, settings: &Settings, stepping: Stepping) -> Decomposition {
+    let facts = settings.method.facts();
+    let scheme = match stepping.scheme {
+        Scheme::Exact if !facts.has_exact_steps() => Scheme::default(),
+        scheme if facts.takes_steps() => scheme,
+        _ => Scheme::default(),
     };
-    decompose(mesh, &settings, Monitor::new().whole()).unwrap()
+    let stepping = Stepping { scheme, ..stepping };
+    decompose(
+        mesh,
+        &Settings {
+            stepping,
+            ..settings.clone()
+        },
+    )
+    .unwrap()
+}
+
+/// The paper's steps.
+fn lagged(solver: Solver) -> Stepping {
+    Stepping {
+        scheme: Scheme::Lagged,
+        solver,
+        ..Stepping::default()
+    }
 }
 
 fn moved(mesh: &TriangleMesh, place: impl Fn(Vector3<f64>) -> Vector3<f64>) -> TriangleMesh {
@@ -59,9 +63,9 @@ proptest! {
 
     #[test]
     fn components_and_residual_are_the_shape(
-        mesh in mesh(), method in method(), scheme in scheme(), solver in solver(), count in 1..STEPS
+        mesh in mesh(), settings in settings(), stepping in stepping(), count in 1..STEPS
     ) {
-        let split = split(&mesh, &method, scheme, solver);
+        let split = split(&mesh, &settings, stepping);
         let components = split.component_times().len();
         let edges = even_edges(split.times(), count.min(components)).unwrap();
         let bands = split.bands(&edges).unwrap();
@@ -73,9 +77,9 @@ proptest! {
 
     #[test]
     fn filters_are_linear_in_their_gains(
-        mesh in mesh(), method in method(), gains in prop::collection::vec(-3.0..3.0_f64, 2 * STEPS)
+        mesh in mesh(), settings in settings(), gains in prop::collection::vec(-3.0..3.0_f64, 2 * STEPS)
     ) {
-        let split = split(&mesh, &method, Scheme::SemiImplicit(Weights::Lagged), Solver::Auto);
+        let split = split(&mesh, &settings, lagged(Solver::Auto));
         let count = split.component_times().len();
         let (a, b) = (&gains[..count], &gains[STEPS..STEPS + count]);
         let sum: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + b).collect();
@@ -84,10 +88,9 @@ proptest! {
     }
 
     #[test]
-    fn solvers_agree(mesh in mesh(), method in method()) {
-        let scheme = Scheme::SemiImplicit(Weights::Lagged);
-        let direct = split(&mesh, &method, scheme, Solver::Cholesky);
-        let iterative = split(&mesh, &method, scheme, Solver::Multigrid);
+    fn solvers_agree(mesh in mesh(), settings in settings()) {
+        let direct = split(&mesh, &settings, lagged(Solver::Cholesky));
+        let iterative = split(&mesh, &settings, lagged(Solver::Multigrid));
         let last = |split: &Decomposition| split.filter(&vec![0.0; split.component_times().len()]);
         let error = distance(&last(&direct).unwrap(), &last(&iterative).unwrap());
         prop_assert!(error < 1e-4, "{error:e}");
@@ -95,14 +98,13 @@ proptest! {
 
     #[test]
     fn shapes_turn_move_and_grow_with_their_bands(
-        mesh in mesh(), method in equivariant_method(), turn in prop::array::uniform3(-3.0..3.0_f64),
+        mesh in mesh(), settings in equivariant_settings(), turn in prop::array::uniform3(-3.0..3.0_f64),
         shift in prop::array::uniform3(-9.0..9.0_f64), size in 1e-3..1e3_f64
     ) {
         let rotation = Rotation3::from_scaled_axis(Vector3::from(turn));
-        let scheme = Scheme::SemiImplicit(Weights::Lagged);
-        let plain = split(&mesh, &method, scheme, Solver::Cholesky);
+        let plain = split(&mesh, &settings, lagged(Solver::Cholesky));
         let other = moved(&mesh, |p| size * (rotation * p + Vector3::from(shift)));
-        let other = split(&other, &method, scheme, Solver::Cholesky);
+        let other = split(&other, &settings, lagged(Solver::Cholesky));
         for (time, scaled) in plain.times().iter().zip(other.times()) {
             prop_assert!((scaled - size * size * time).abs() <= 1e-9 * scaled);
         }
@@ -115,24 +117,20 @@ proptest! {
 
     #[test]
     fn images_turn_with_their_components(
-        pixels in prop::collection::vec(0.0..1.0_f64, 30), scheme in scheme(), height in 0.5..20.0_f64,
+        pixels in prop::collection::vec(0.0..1.0_f64, 30), stepping in stepping(), height in 0.5..20.0_f64,
         is_flat in any::<bool>()
     ) {
         let values = Array2::from_shape_vec((1, 30), pixels).unwrap();
         let across = Array2::from_shape_fn((1, 30), |(_, p)| values[[0, (p % 5) * 6 + p / 5]]);
         let end = |values: Array2<f64>, rows: usize| {
             let image = Image { values, rows, columns: 30 / rows };
-            let settings = image::Settings {
-                metric: match is_flat {
-                    true => image::Metric::Flat,
-                    false => image::Metric::Surface { height },
-                },
-                times: None,
-                steps: STEPS,
-                scheme,
-                solver: Solver::Cholesky,
+            let metric = match is_flat {
+                true => image::Metric::Flat,
+                false => image::Metric::Surface,
             };
-            let (flow, areas) = decompose_image(&image, &settings, Monitor::new().whole()).unwrap();
+            let stepping = Stepping { solver: Solver::Cholesky, ..stepping };
+            let settings = image::Settings { metric, height, times: None, steps: STEPS, stepping };
+            let (flow, areas) = decompose_image(&image, &settings).unwrap();
             (flow.states().last().unwrap(), areas)
         };
         let ((plain, areas), (turned, other)) = (end(values, 5), end(across, 6));

@@ -4,14 +4,15 @@ use ndarray::Array2;
 use proptest::prelude::*;
 
 use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{Eigenpairs, TotalVariation, Trajectory, Weights, proximal_flow};
+use spectral_tv::flow::{
+    Eigenpairs, Operator, Stepping, Trajectory, flow as flow_of, proximal_flow,
+};
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::method::{Scheme, graded_times, run_flow};
+use spectral_tv::method::graded_times;
 use spectral_tv::monitor::Monitor;
-use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 
-use crate::random::{mesh, on, scheme, solver, values};
+use crate::random::{mesh, on, stepping, values};
 use crate::{GAP, STEPS, config, distance};
 
 fn operators(mesh: &TriangleMesh) -> Discretization {
@@ -19,13 +20,16 @@ fn operators(mesh: &TriangleMesh) -> Discretization {
 }
 
 /// The TV flow up to about the extinction of functions of the size of 1.
-fn flow(mesh: &TriangleMesh, values: &Array2<f64>, scheme: Scheme, solver: Solver) -> Trajectory {
-    let operators = operators(mesh);
+fn flow(mesh: &TriangleMesh, values: &Array2<f64>, stepping: Stepping) -> Trajectory {
     let times = graded_times(1e-3, 1.0, STEPS).unwrap();
-    let law = TotalVariation::starting_at(&operators, values.view()).unwrap();
-    let monitor = Monitor::new();
-    let (values, stage) = (values.clone(), monitor.whole());
-    run_flow(&operators, &law, scheme, values, &times, solver, stage).unwrap()
+    flow_of(
+        mesh,
+        values.clone(),
+        &times,
+        Operator::TotalVariation,
+        stepping,
+    )
+    .unwrap()
 }
 
 /// ‖u‖ over the surface.
@@ -45,9 +49,9 @@ proptest! {
 
     #[test]
     fn total_variation_never_grows(
-        mesh in mesh(), values in values(), scheme in scheme(), solver in solver()
+        mesh in mesh(), values in values(), stepping in stepping()
     ) {
-        let flow = flow(&mesh, &on(&mesh, &values), scheme, solver);
+        let flow = flow(&mesh, &on(&mesh, &values), stepping);
         let start = flow.total_variation[0];
         for pair in flow.total_variation.windows(2) {
             prop_assert!(pair[1] <= pair[0] + 1e-5 * start, "{:?}", flow.total_variation);
@@ -56,9 +60,9 @@ proptest! {
 
     #[test]
     fn the_mean_is_kept(
-        mesh in mesh(), values in values(), scheme in scheme(), solver in solver()
+        mesh in mesh(), values in values(), stepping in stepping()
     ) {
-        let flow = flow(&mesh, &on(&mesh, &values), scheme, solver);
+        let flow = flow(&mesh, &on(&mesh, &values), stepping);
         let ones = vec![1.0; mesh.vertex_count()];
         let means = flow.mean(&ones, mesh.vertex_areas()).unwrap();
         for row in means.rows() {
@@ -70,17 +74,12 @@ proptest! {
 
     #[test]
     fn scaling_a_function_scales_its_time(
-        mesh in mesh(), values in values(), scheme in scheme(), factor in prop_oneof![-4.0..-0.1_f64, 0.1..4.0_f64]
+        mesh in mesh(), values in values(), stepping in stepping(), factor in prop_oneof![-4.0..-0.1_f64, 0.1..4.0_f64]
     ) {
-        let operators = operators(&mesh);
         let values = on(&mesh, &values);
         let run = |factor: f64| {
-            let values = factor * &values;
             let times: Vec<f64> = [0.0, 0.02, 0.05, 0.2].map(|t| factor.abs() * t).into();
-            let law = TotalVariation::starting_at(&operators, values.view()).unwrap();
-            let monitor = Monitor::new();
-            let (solver, stage) = (Solver::Cholesky, monitor.whole());
-            run_flow(&operators, &law, scheme, values, &times, solver, stage).unwrap()
+            flow_of(&mesh, factor * &values, &times, Operator::TotalVariation, stepping).unwrap()
         };
         let (flow, scaled) = (run(1.0), run(factor));
         for (state, scaled) in flow.states().zip(scaled.states()) {
@@ -116,10 +115,9 @@ proptest! {
         mesh in mesh(), values in values(), shift in -5.0..5.0_f64
     ) {
         let values = on(&mesh, &values);
-        let scheme = Scheme::SemiImplicit(Weights::Extrapolated);
-        let transform = |values: &Array2<f64>| {
-            SpectralTransform::new(flow(&mesh, values, scheme, Solver::Cholesky))
-        };
+        let stepping = Stepping::default();
+        let transform =
+            |values: &Array2<f64>| SpectralTransform::new(flow(&mesh, values, stepping));
         let (plain, shifted) = (transform(&values), transform(&(&values + shift)));
         for k in 0..plain.component_times().len() {
             prop_assert!(distance(&plain.component(k), &shifted.component(k)) < 1e-6);

@@ -3,12 +3,13 @@
 use ndarray::Array2;
 use proptest::prelude::*;
 
-use spectral_tv::flow::Weights;
+use spectral_tv::Named;
+use spectral_tv::flow::{Scheme, Stepping};
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::method::{Base, Method, Metric, Scheme};
+use spectral_tv::method::{Method, Settings};
 use spectral_tv::solver::Solver;
 
-use crate::GAP;
+use crate::{GAP, STEPS};
 
 /// A torus of 6 by 9 vertices or an open sheet of 7 by 7, its vertices moved at random.
 pub fn mesh() -> impl Strategy<Value = TriangleMesh> {
@@ -50,36 +51,36 @@ pub fn on(mesh: &TriangleMesh, values: &[Vec<f64>]) -> Array2<f64> {
     Array2::from_shape_fn((values.len(), mesh.vertex_count()), |(c, v)| values[c][v])
 }
 
-pub fn scheme() -> impl Strategy<Value = Scheme> {
-    prop_oneof![
-        Just(Scheme::SemiImplicit(Weights::Lagged)),
-        Just(Scheme::SemiImplicit(Weights::Extrapolated)),
-        Just(Scheme::Exact { tolerance: GAP }),
-    ]
+pub fn stepping() -> impl Strategy<Value = Stepping> {
+    let schemes = prop::sample::select(vec![Scheme::Lagged, Scheme::Extrapolated, Scheme::Exact]);
+    let solvers = prop::sample::select(vec![Solver::Cholesky, Solver::Multigrid]);
+    (schemes, solvers).prop_map(|(scheme, solver)| Stepping {
+        scheme,
+        tolerance: GAP,
+        solver,
+    })
 }
 
-pub fn solver() -> impl Strategy<Value = Solver> {
-    prop_oneof![Just(Solver::Cholesky), Just(Solver::Multigrid)]
+/// The settings of any method, with steps as by default.
+pub fn settings() -> impl Strategy<Value = Settings> {
+    let methods = prop::sample::select(Method::NAMES);
+    (methods, 1..=3_u32).prop_map(|((method, _), p)| {
+        let mut settings = Settings {
+            steps: STEPS,
+            ..method.into()
+        };
+        match method {
+            Method::ConformalLaplace => settings.p = p,
+            Method::LaplaceBeltrami => settings.eigenpairs = 12,
+            _ => {}
+        }
+        settings
+    })
 }
 
-pub fn method() -> impl Strategy<Value = Method> {
-    prop_oneof![
-        Just(Method::Heat),
-        Just(Method::Naive),
-        Just(Method::ShapeTv),
-        (1..=3_u32).prop_map(|p| Method::ConformalLaplace { p }),
-        Just(Method::DirectionalTv {
-            base: Base::default(),
-            metric: Metric::Surface
-        }),
-        Just(Method::LaplaceBeltrami { eigenpairs: 12 }),
-        Just(Method::Displacement {
-            base: Base::default()
-        }),
-    ]
-}
-
-/// Methods that do not know where the axes are.
-pub fn equivariant_method() -> impl Strategy<Value = Method> {
-    method().prop_filter("flows each axis alone", |method| *method != Method::Naive)
+/// The settings of methods that do not know where the axes are.
+pub fn equivariant_settings() -> impl Strategy<Value = Settings> {
+    settings().prop_filter("flows each axis alone", |settings| {
+        settings.method != Method::Naive
+    })
 }

@@ -3,24 +3,20 @@
 use proptest::prelude::*;
 
 use spectral_tv::eigenset::eigenset_test;
-use spectral_tv::flow::Weights;
-use spectral_tv::method::{Method, Scheme};
+use spectral_tv::method::{Settings, decompose};
 use spectral_tv::monitor::Monitor;
 use spectral_tv::segmentation::cosegment;
-use spectral_tv::solver::Solver;
 
-use crate::config;
-use crate::decompositions::split;
 use crate::random::mesh;
+use crate::{STEPS, config};
 
 proptest! {
     #![proptest_config(config())]
 
     #[test]
     fn segments_are_numbered_by_size(mesh in mesh(), segments in 1..8_usize, seed in any::<u64>()) {
-        let method = Method::ConformalLaplace { p: 3 };
-        let scheme = Scheme::SemiImplicit(Weights::Extrapolated);
-        let split = split(&mesh, &method, scheme, Solver::Auto);
+        let settings = Settings { steps: STEPS, ..Settings::m2() };
+        let split = decompose(&mesh, &settings).unwrap();
         let labels = cosegment(&[&split], segments, seed, Monitor::new().whole()).unwrap();
         let mut areas = vec![0.0; segments];
         for (&label, area) in labels[0].iter().zip(mesh.vertex_areas()) {

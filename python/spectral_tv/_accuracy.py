@@ -1,0 +1,79 @@
+"""Measuring how accurate bands are."""
+
+from typing import Unpack
+
+from numpy.typing import ArrayLike
+
+from spectral_tv import _native
+from spectral_tv._native import Job, Mesh
+from spectral_tv._options import Progress, ShapeOptions, Stepped
+from spectral_tv._results import Accuracy
+from spectral_tv._signatures import spelled
+
+
+@spelled
+def accuracy(
+    mesh: Mesh,
+    method: Stepped = "m1",
+    steps: ArrayLike = (8, 16, 32),
+    bands: int = 5,
+    progress: Progress | None = None,
+    *,
+    scales: tuple[float, float] | None = None,
+    refinement: int = 8,
+    **options: Unpack[ShapeOptions],
+) -> Accuracy:
+    """Measure how the errors of a decomposition fall with the number of steps: of the all-pass
+    filter, as in the paper's figure of the reconstruction error, and of the bands against a
+    refined flow.
+
+    An all-pass filter that gives the shape back says nothing about the flow, as the package's does
+    so at any step; the error of the bands does.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    method : {"m1", "m2", "m3", "naive", "heat"}
+    steps : (n,) array of integers
+        The numbers of steps to compare, at least 2 each.
+    bands : int
+        Number of bands K.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+    scales : (float, float), optional
+        The finest and the largest scale, length²; see `graded_times`. Default: the method's.
+    refinement : int
+        The refined flow has so many times the most steps, at least 2.
+    scheme, tolerance, solver, p, base, base_time, metric
+        As `decompose` takes them; the paper's steps are "lagged".
+
+    Returns
+    -------
+    Accuracy
+
+    Raises
+    ------
+    MeshError
+        If an argument is of the wrong shape or out of range, or the method takes no time steps.
+    """
+    job = start_accuracy(
+        mesh, method, steps, bands, scales=scales, refinement=refinement, **options
+    )
+    found: Accuracy = job._wait(progress)
+    return found
+
+
+@spelled
+def start_accuracy(
+    mesh: Mesh,
+    method: Stepped = "m1",
+    steps: ArrayLike = (8, 16, 32),
+    bands: int = 5,
+    *,
+    scales: tuple[float, float] | None = None,
+    refinement: int = 8,
+    **options: Unpack[ShapeOptions],
+) -> Job:
+    """Start `accuracy` in a thread of its own and return the `Job` at once."""
+    asked = {"method": method, **options}
+    return _native.start_accuracy(mesh, steps, bands, scales, refinement, asked)

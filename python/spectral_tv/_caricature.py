@@ -1,0 +1,71 @@
+"""Exaggerating several poses alike."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_tv import _native
+from spectral_tv._native import Job, Mesh
+from spectral_tv._options import DEFAULTS, Method, Progress
+
+STEPS: int = DEFAULTS["steps"]
+
+
+def caricature(
+    meshes: Sequence[Mesh],
+    band: tuple[float, float],
+    gain: float = 2.0,
+    smooth: float = 0.0,
+    method: Method = "m3",
+    steps: int = STEPS,
+    progress: Progress | None = None,
+) -> list[NDArray[np.float64]]:
+    """Exaggerate one band of several shapes alike, and smooth away what is finest (Brokman et al.
+    2024, the figures of the armadillo).
+
+    Each shape is decomposed by itself, over the method's default times. These and the filter are
+    relative to its area, so that poses and sizes of one shape get the same.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh
+        They need not have vertices or triangles in common.
+    band : (float, float)
+        Where the band begins and ends, t/area; see `default_scales`.
+    gain : float
+        What the band is multiplied by.
+    smooth : float
+        What vanishes before this t/area, and is not in the band, is removed.
+    method : {"m3", "m1", "m2", "naive", "heat"}
+        As in `decompose`.
+    steps : int
+        Number of steps of each flow.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+
+    Returns
+    -------
+    list of (V, 3) arrays
+        The positions of each mesh.
+
+    Raises
+    ------
+    MeshError
+        If an argument is out of range.
+    """
+    job = start_caricature(meshes, band, gain, smooth, method, steps)
+    shapes: list[NDArray[np.float64]] = job._wait(progress)
+    return shapes
+
+
+def start_caricature(
+    meshes: Sequence[Mesh],
+    band: tuple[float, float],
+    gain: float = 2.0,
+    smooth: float = 0.0,
+    method: Method = "m3",
+    steps: int = STEPS,
+) -> Job:
+    """Start `caricature` in a thread of its own and return the `Job` at once."""
+    return _native.start_caricature(meshes, band, gain, smooth, {"method": method, "steps": steps})

@@ -1,0 +1,55 @@
+"""Labelling the parts of shapes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_tv import _native
+from spectral_tv._native import Decomposition, Job
+from spectral_tv._options import Progress
+
+
+def cosegment(
+    decompositions: Sequence[Decomposition],
+    segments: int = 6,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> list[NDArray[np.int64]]:
+    """Label the parts of one shape in several poses, or of several shapes, alike.
+
+    K-means of the vertices' spectra under the earth mover's distance, over all shapes together
+    (Brokman et al. 2024, figure "co-segmentation").
+
+    Parameters
+    ----------
+    decompositions : sequence of Decomposition
+        Best of method "m2". The shapes need not have vertices or triangles in common.
+    segments : int
+        Number of labels.
+    seed : int
+        Of the random starts.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+
+    Returns
+    -------
+    list of (V,) int64 arrays
+        Labels from 0, the largest segment, one array per decomposition.
+
+    Raises
+    ------
+    MeshError
+        If there are no decompositions, or segments is 0 or larger than the number of vertices.
+    """
+    labels: list[NDArray[np.int64]] = start_cosegment(decompositions, segments, seed)._wait(
+        progress
+    )
+    return labels
+
+
+def start_cosegment(
+    decompositions: Sequence[Decomposition], segments: int = 6, seed: int = 0
+) -> Job:
+    """Start `cosegment` in a thread of its own and return the `Job` at once."""
+    return _native.start_cosegment(decompositions, segments, seed)

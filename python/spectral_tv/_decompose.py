@@ -1,0 +1,181 @@
+"""Splitting a shape into scales."""
+
+from typing import Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_tv import _native
+from spectral_tv._native import Decomposition, Job, Mesh
+from spectral_tv._options import DEFAULTS, DecomposeOptions, Method, Progress
+from spectral_tv._results import Estimate
+from spectral_tv._signatures import spelled
+
+STEPS: int = DEFAULTS["steps"]
+
+
+@spelled
+def decompose(
+    mesh: Mesh,
+    method: Method = "m1",
+    times: ArrayLike | None = None,
+    steps: int = STEPS,
+    progress: Progress | None = None,
+    **options: Unpack[DecomposeOptions],
+) -> Decomposition:
+    """Split the shape of a mesh into scales.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
+        "m1": shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 7.3).
+        "m2": conformalized P-Laplace, for limbs and head (Sec. 7.4).
+        "m3": directional TV on a smooth base, keeps edges (Sec. 7.5).
+        "naive": TV of each coordinate alone (Sec. 7.2).
+        For comparison: "heat": linear diffusion. "lb": eigenfunctions of the Laplace–Beltrami
+        operator (Vallet and Lévy 2008), each at the time 1/λ; the first component is what the
+        `eigenpairs` do not hold. "displacement": the difference to a smooth base as the only
+        component (Cignoni, Scopigno and Tarini 2005).
+    times : (N+1,) array, optional
+        Increasing from 0, length². Default: `steps` times, evenly spaced at first and then in
+        log t, up to 3e-3 of the area for "m1", "naive" and "heat", 1e-2 for "m2" and 1e-3 for
+        "m3": from skin to hands and feet, to whole limbs, to plates and muscles. For "lb" from
+        half the last 1/λ on, up to 3e-3 of the area or more. None for "displacement".
+    steps : int
+        The number of steps N, where no times are given.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+    accuracy : float, optional
+        Take as many steps as the bands need to have this error, relative to their size and the
+        mean of five; `steps` is then of no account, and times that are given are cut into more.
+        0.1 is hardly seen, 0.02 is fine. The estimate takes two flows at least, of 12 and 24
+        steps, and each that follows has up to four times the steps of the one before.
+    scheme : {"extrapolated", "lagged", "exact"}
+        How steps take their weights; see `flow`. "exact" is for "naive", "m1" and "m3".
+    tolerance : float
+        Relative duality gap of exact steps, in (0, 1).
+    solver : {"auto", "cholesky", "multigrid"}
+        How the linear systems of steps are solved: by what is faster at the mesh's size, by
+        factorization, or by conjugate gradients with multigrid to 2e-6 of each increment.
+        Exact steps are always solved by factorization.
+    p : {3, 2, 1}
+        The P of "m2". Only 3 is zero-homogeneous.
+    base : (V, 3) array, optional
+        The smooth base of "m3" and "displacement". Default: the mesh under ten steps of
+        `conformal_flow`.
+    base_time : float, optional
+        How far that flow goes, length². Default: 5e-3 of the area.
+    eigenpairs : int
+        How many "lb" uses, the lowest; all of them if the mesh has no more. See `eigenpairs`.
+    metric : {"surface", "base"}
+        Whose metric drives the flow of "m3": the mesh's or its base's. With a flat base a height
+        field is an image, and these are its spectral ATV and its spectral TV (Sec. 9.3).
+
+    Returns
+    -------
+    Decomposition
+
+    Raises
+    ------
+    MeshError
+        If an argument is of the wrong shape, not finite, or out of range; says where.
+    MemoryError
+        If the work takes more than is available, before it starts.
+    """
+    job = start_decompose(mesh, method, times, steps, **options)
+    split: Decomposition = job._wait(progress)
+    return split
+
+
+@spelled
+def start_decompose(
+    mesh: Mesh,
+    method: Method = "m1",
+    times: ArrayLike | None = None,
+    steps: int = STEPS,
+    **options: Unpack[DecomposeOptions],
+) -> Job:
+    """Start `decompose` in a thread of its own and return the `Job` at once."""
+    asked = {"method": method, "times": times, "steps": steps, **options}
+    return _native.start_decompose(mesh, asked)
+
+
+@spelled
+def estimate(
+    mesh: Mesh | int,
+    method: Method = "m1",
+    times: ArrayLike | None = None,
+    steps: int = STEPS,
+    **options: Unpack[DecomposeOptions],
+) -> Estimate:
+    """Estimate what `decompose` takes with the same arguments.
+
+    That refuses by itself what does not fit. The first call times a small flow, for some hundredths
+    of a second.
+
+    Parameters
+    ----------
+    mesh : Mesh or int
+        A mesh, or the number of vertices of one that has twice as many triangles.
+    method, times, steps and others
+        As `decompose` takes them. Where an accuracy decides on the steps, the estimate is of the
+        first two flows, the least that it takes.
+
+    Returns
+    -------
+    Estimate
+
+    Raises
+    ------
+    MeshError
+        If an argument cannot be read.
+    """
+    asked = {"method": method, "times": times, "steps": steps, **options}
+    return _native.estimate(mesh, asked)
+
+
+def default_scales(method: Method, eigenpairs: int = DEFAULTS["eigenpairs"]) -> tuple[float, float]:
+    """The default scales of a method relative to the area: the time from which steps are spaced
+    in log t, and the last time.
+
+    Parameters
+    ----------
+    method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
+    eigenpairs : int
+        Of "lb", whose finest scale is that of the last.
+
+    Returns
+    -------
+    (float, float)
+        t/area of the finest and the largest scale; see `graded_times`.
+
+    Raises
+    ------
+    MeshError
+        If there is no such method.
+    """
+    own = {"eigenpairs": eigenpairs} if method == "lb" else {}
+    return _native.default_scales({"method": method, **own})
+
+
+def graded_times(finest: float, largest: float, steps: int = STEPS) -> NDArray[np.float64]:
+    """Times for `decompose`: from 0, evenly spaced at first and from about `finest` on in log t.
+
+    Parameters
+    ----------
+    finest, largest : float
+        Times, length². Features of the size ℓ vanish at a time of the order of ℓ².
+    steps : int
+        Number of steps N.
+
+    Returns
+    -------
+    (N+1,) array
+
+    Raises
+    ------
+    MeshError
+        If steps is 0 or 0 < finest < largest does not hold.
+    """
+    return _native.graded_times(finest, largest, steps)

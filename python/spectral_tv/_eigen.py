@@ -1,0 +1,82 @@
+"""Eigensets of total variation, and eigenpairs of the Laplace–Beltrami operator."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_tv import _native
+from spectral_tv._native import Job, Mesh
+from spectral_tv._options import Progress
+from spectral_tv._results import EigensetTest
+
+
+def eigenset_test(mesh: Mesh, members: ArrayLike, progress: Progress | None = None) -> EigensetTest:
+    """Test whether a set of vertices is an eigenset of NETV.
+
+    That is a set whose indicator, up to a constant, is an eigenfunction, which fades in a straight
+    line (Brokman et al. 2024).
+
+    Three things are tested: that the function keeps one value on the set and one off it under the
+    exact flow, that the first falls at the rate λ = per/area in a straight line, and that no set
+    around it has a smaller perimeter, in relation to what it leaves out of the surface. Those sets
+    are samples: a set that passes may still have one.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Components wholly in the set or wholly outside are left out.
+    members : (V,) array of bools or of floats, or (K,) array of integers
+        The set: True or 0.5 and more for its vertices; or their indices, each once. Integers that
+        are 0 or 1 at every vertex are taken as truth values.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+
+    Returns
+    -------
+    EigensetTest
+
+    Raises
+    ------
+    MeshError
+        If the members are not of this mesh, or name one vertex twice, or the set has no boundary.
+    """
+    test: EigensetTest = start_eigenset_test(mesh, members)._wait(progress)
+    return test
+
+
+def start_eigenset_test(mesh: Mesh, members: ArrayLike) -> Job:
+    """Start `eigenset_test` in a thread of its own and return the `Job` at once."""
+    return _native.start_eigenset_test(mesh, members)
+
+
+def eigenpairs(
+    mesh: Mesh, count: int, progress: Progress | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The lowest eigenpairs of the Laplace–Beltrami operator, L u = λ M u with linear elements and
+    lumped masses, by block Lanczos iteration on the inverse.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    count : int
+        Number of eigenpairs K; V if the mesh has no more. The time grows with the square of it,
+        and about twice as many functions are held in memory.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+
+    Returns
+    -------
+    (K,) array
+        The eigenvalues λ, rising from 0, 1/length². 0 as often as the mesh has components.
+    (V, K) array
+        The eigenfunctions, 1/length; Uᵀ diag(mesh.vertex_areas) U = 1 (a vertex in no triangle
+        counts with the mean area).
+
+    Raises
+    ------
+    MeshError
+        If count is 0.
+    MemoryError
+        If the work takes more than is available, before it starts.
+    """
+    values, functions = _native.start_eigenpairs(mesh, count)._wait(progress)
+    return values, functions

@@ -1,0 +1,117 @@
+"""Flows of functions and of shapes."""
+
+from typing import Literal, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_tv import _native
+from spectral_tv._native import Flow, Job, Mesh
+from spectral_tv._options import DEFAULTS, Progress, Solver, StepOptions
+from spectral_tv._signatures import spelled
+
+Operator = Literal["tv", "heat"]
+
+
+@spelled
+def flow(
+    mesh: Mesh,
+    values: ArrayLike,
+    times: ArrayLike,
+    operator: Operator = "tv",
+    exact: bool = False,
+    progress: Progress | None = None,
+    **options: Unpack[StepOptions],
+) -> Flow:
+    """Flow a function on the mesh, in the metric of the mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    values : (V,) or (V, C) array
+        The function f; the C channels of a TV flow are coupled.
+    times : (N+1,) array
+        Increasing, from 0. In the unit (of the values) × length for "tv", length² for "heat";
+        both are length² where the values are lengths.
+    operator : {"tv", "heat"}
+        "tv" is u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), "heat" u_t = Δu (Eq. 12).
+    exact : bool
+        Every step a proximal step to the gap `tolerance`: eigenfunctions then decay in a
+        straight line down to extinction.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+    scheme : {"extrapolated", "lagged"}
+        How steps that are not exact take their weights: at the extrapolated state with BDF2,
+        or at the last one with backward Euler (the paper's step).
+    tolerance : float
+        Relative duality gap of exact steps, in (0, 1).
+    solver : {"auto", "cholesky", "multigrid"}
+        How the linear systems of steps are solved; see `decompose`.
+
+    Returns
+    -------
+    Flow
+
+    Raises
+    ------
+    MeshError
+        If an argument is of the wrong shape, not finite, or out of range; says where.
+    MemoryError
+        If the work takes more than is available, before it starts.
+    """
+    found: Flow = start_flow(mesh, values, times, operator, exact, **options)._wait(progress)
+    return found
+
+
+@spelled
+def start_flow(
+    mesh: Mesh,
+    values: ArrayLike,
+    times: ArrayLike,
+    operator: Operator = "tv",
+    exact: bool = False,
+    **options: Unpack[StepOptions],
+) -> Job:
+    """Start `flow` in a thread of its own and return the `Job` at once."""
+    if exact:
+        options["scheme"] = "exact"
+    return _native.start_flow(mesh, values, times, operator, options)
+
+
+def conformal_flow(
+    mesh: Mesh,
+    time: float,
+    steps: int = 10,
+    progress: Progress | None = None,
+    *,
+    solver: Solver = DEFAULTS["solver"],
+) -> NDArray[np.float64]:
+    """Conformalized mean curvature flow (Kazhdan, Solomon and Ben-Chen 2012), neither rescaled nor
+    recentred: the smooth base that M3 uses.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    time : float
+        How far to flow, length²; 5e-3 of the area swallows limbs.
+    steps : int
+        Number of equal steps.
+    progress : callable, optional
+        Called with the fraction done.
+    solver : {"auto", "cholesky", "multigrid"}
+        How the linear systems are solved; see `decompose`.
+
+    Returns
+    -------
+    (V, 3) array
+        The smoothed positions.
+
+    Raises
+    ------
+    MeshError
+        If time or steps are not positive.
+    """
+    shape: NDArray[np.float64] = _native.start_conformal_flow(mesh, time, steps, solver)._wait(
+        progress
+    )
+    return shape

@@ -1,0 +1,88 @@
+"""Splitting an image into scales."""
+
+from typing import Literal, Unpack
+
+from numpy.typing import ArrayLike
+
+from spectral_tv import _native
+from spectral_tv._native import Flow, Job
+from spectral_tv._options import DEFAULTS, Progress, StepOptions
+from spectral_tv._signatures import spelled
+
+Metric = Literal["flat", "surface"]
+STEPS: int = DEFAULTS["steps"]
+
+
+@spelled
+def decompose_image(
+    image: ArrayLike,
+    metric: Metric = "flat",
+    times: ArrayLike | None = None,
+    steps: int = STEPS,
+    progress: Progress | None = None,
+    *,
+    height: float = 32.0,
+    **options: Unpack[StepOptions],
+) -> Flow:
+    """Split an image into bands by spectral TV, its channels together.
+
+    Each pixel cell counts as the mean over its four corners of √(dx² + dy²), so that turning or
+    mirroring the image changes nothing. Lengths are in pixels.
+
+    Parameters
+    ----------
+    image : (H, W) or (H, W, C) array of numbers
+        Row by row, in any unit and encoding; the values are taken as they are. The C channels are
+        coupled; to keep colors, decompose the luminance and add what it changes to all channels.
+    metric : {"flat", "surface"}
+        "flat": the plane's, which is spectral TV of images. "surface": that of the image's graph
+        (x, y, s f), which is spectral ATV (Brokman et al. 2024, Sec. 9.3): on it steep places have
+        more area and change more slowly, so that strong detail outlasts faint detail by more.
+    times : (N+1,) array, optional
+        Increasing from 0, value × pixel. In the plane a disc of the radius r that stands out by h
+        is gone at t = h r/2. Default: `steps` times, evenly spaced at first and then in log t,
+        from what a spot takes that is a tenth of a pixel wide and stands out by the image's whole
+        contrast, to one that is a quarter of the shorter side wide.
+    steps : int
+        The number of steps N, where no times are given.
+    progress : callable, optional
+        Called with the fraction done; an exception it raises ends the work.
+    height : float
+        How high the graph of "surface" is from the least to the greatest value, in pixels.
+    scheme : {"extrapolated", "lagged", "exact"}
+        How steps take their weights; see `flow`.
+    tolerance : float
+        Relative duality gap of exact steps, in (0, 1).
+    solver : {"auto", "cholesky", "multigrid"}
+        How the linear systems of steps are solved; see `decompose`.
+
+    Returns
+    -------
+    Flow
+        Its `states` are (N+1, H, W, C), its `bands` (K, H, W, C), its `residual` and what `filter`
+        returns (H, W, C); without C where the image is (H, W).
+
+    Raises
+    ------
+    MeshError
+        If an argument is of the wrong shape, not finite, or out of range; says where.
+    MemoryError
+        If the work takes more than is available, before it starts.
+    """
+    job = start_decompose_image(image, metric, times, steps, height=height, **options)
+    found: Flow = job._wait(progress)
+    return found
+
+
+@spelled
+def start_decompose_image(
+    image: ArrayLike,
+    metric: Metric = "flat",
+    times: ArrayLike | None = None,
+    steps: int = STEPS,
+    *,
+    height: float = 32.0,
+    **options: Unpack[StepOptions],
+) -> Job:
+    """Start `decompose_image` in a thread of its own and return the `Job` at once."""
+    return _native.start_decompose_image(image, metric, times, steps, height, options)

@@ -1,0 +1,140 @@
+//! How the steps of a flow are taken.
+
+use ndarray::Array2;
+
+use crate::discretization::Discretization;
+use crate::error::{ArgumentError, Error, Result};
+use crate::flow::law::Law;
+use crate::flow::proximal::proximal_flow;
+use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
+use crate::flow::trajectory::Trajectory;
+use crate::memory::needs;
+use crate::minimization::check_tolerance;
+use crate::monitor::Stage;
+use crate::named::named;
+use crate::solver::{Demand, Solver};
+
+/// How a step takes its weights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scheme {
+    /// Extrapolated to the end of the step, with BDF2 and one correction by the same matrix: a
+    /// sixth of the lagged error for a third more time.
+    #[default]
+    Extrapolated,
+    /// At the last state, with backward Euler: the paper's step.
+    Lagged,
+    /// Every step a proximal step, to a duality gap. For TV flows only.
+    Exact,
+}
+
+named!(
+    Scheme,
+    "scheme",
+    Extrapolated = "extrapolated",
+    Lagged = "lagged",
+    Exact = "exact",
+);
+
+/// How the steps of a flow are taken, and their systems solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stepping {
+    /// How steps take their weights.
+    pub scheme: Scheme,
+    /// Duality gap of exact steps relative to Δt TV, in (0, 1).
+    pub tolerance: f64,
+    /// How linear systems are solved.
+    pub solver: Solver,
+}
+
+impl Default for Stepping {
+    fn default() -> Self {
+        Self {
+            scheme: Scheme::default(),
+            tolerance: 1e-3,
+            solver: Solver::default(),
+        }
+    }
+}
+
+impl Stepping {
+    /// The weights of steps that solve one system; `None` for exact steps.
+    fn weights(self) -> Option<Weights> {
+        match self.scheme {
+            Scheme::Extrapolated => Some(Weights::Extrapolated),
+            Scheme::Lagged => Some(Weights::Lagged),
+            Scheme::Exact => None,
+        }
+    }
+
+    /// What a flow of so many channels takes each matrix for; `None` where it makes its own.
+    pub(crate) fn demand(self, channels: usize) -> Option<Demand> {
+        self.weights().map(|weights| weights.demand(channels))
+    }
+
+    /// Whether systems of a flow of so many channels are surely solved by iteration.
+    pub(crate) fn is_iterated(self, vertices: usize, channels: usize) -> bool {
+        let demand = self.demand(channels);
+        demand.is_some_and(|demand| self.solver.is_iterative(vertices, demand))
+    }
+
+    /// Refuses a tolerance that no step can have, even where it is of no account.
+    ///
+    /// # Errors
+    /// If it is not in (0, 1).
+    pub fn check(self) -> Result<()> {
+        check_tolerance(self.tolerance)
+    }
+
+    /// Runs `law` from `values` (C, V) through `times`.
+    ///
+    /// # Errors
+    /// If the times do not increase from 0, a value is not finite, exact steps are asked for where
+    /// no step minimises TV, or a system cannot be solved; [`Error::Memory`] at once if the flow
+    /// does not fit; [`Error::Cancelled`].
+    pub fn run(
+        self,
+        operators: &Discretization,
+        law: &dyn Law,
+        values: Array2<f64>,
+        times: &[f64],
+        stage: Stage,
+    ) -> Result<Trajectory> {
+        let triangles = operators.gradient().triangles().len();
+        let size = needs::Size::new(operators.masses().len(), triangles);
+        self.require(size, values.dim(), times, stage)?;
+        match self.weights() {
+            Some(weights) => {
+                semi_implicit_flow(operators, law, weights, values, times, self.solver, stage)
+            }
+            None if law.is_total_variation() => {
+                proximal_flow(operators, self.tolerance, values, times, stage)
+            }
+            None => Err(no_exact_steps()),
+        }
+    }
+
+    /// Has a flow of values (C, V) granted its memory.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub(crate) fn require(
+        self,
+        size: needs::Size,
+        (channels, vertices): (usize, usize),
+        times: &[f64],
+        stage: Stage,
+    ) -> Result<()> {
+        let steps = times.len().saturating_sub(1);
+        let is_iterated = self.is_iterated(vertices, channels);
+        stage.require(
+            needs::flow(size, channels, steps, is_iterated),
+            &format!("a flow of {steps} steps on {vertices} vertices"),
+            "take fewer steps or vertices",
+        )
+    }
+}
+
+pub(crate) fn no_exact_steps() -> Error {
+    let reason = "exact steps exist for total-variation flows only (naive, m1, m3)";
+    ArgumentError::inapplicable("scheme", reason).into()
+}

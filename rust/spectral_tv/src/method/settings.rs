@@ -1,0 +1,144 @@
+//! What to decompose by.
+
+use std::f64::consts::PI;
+
+use ndarray::Array2;
+
+use crate::error::Result;
+use crate::flow::Stepping;
+use crate::method::adaptive_steps::FEWEST_STEPS;
+use crate::method::facts::Work;
+use crate::method::schedule::graded_times;
+use crate::method::{Base, Method, Metric};
+
+/// What to decompose by. What a method does not take is of no account if it is as by default, and
+/// refused if not; see [`crate::method::OPTIONS`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// The method.
+    pub method: Method,
+    /// N + 1 times from 0, length²; `None`: [`Settings::default_times`], or
+    /// [`crate::flow::Eigenpairs::times`].
+    pub times: Option<Vec<f64>>,
+    /// The number of steps N, where no times are given.
+    pub steps: usize,
+    /// As many steps as this mean error of five even bands takes, relative to the bands; given times
+    /// are cut into more.
+    pub accuracy: Option<f64>,
+    /// How steps are taken.
+    pub stepping: Stepping,
+    /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
+    pub p: u32,
+    /// The smooth base Ŝ, (3, V); `None`: the shape itself under conformalized mean curvature flow.
+    pub base: Option<Array2<f64>>,
+    /// How long that flow is, length²; `None`: 5e-3 of the area.
+    pub base_time: Option<f64>,
+    /// Whose metric drives M3's flow.
+    pub metric: Metric,
+    /// Number of eigenpairs, the lowest.
+    pub eigenpairs: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::ShapeTv,
+            times: None,
+            steps: 32,
+            accuracy: None,
+            stepping: Stepping::default(),
+            p: 3,
+            base: None,
+            base_time: None,
+            metric: Metric::default(),
+            eigenpairs: 300,
+        }
+    }
+}
+
+impl From<Method> for Settings {
+    fn from(method: Method) -> Self {
+        Self {
+            method,
+            ..Self::default()
+        }
+    }
+}
+
+impl Settings {
+    /// Those of M1, shape spectral TV.
+    pub fn m1() -> Self {
+        Method::ShapeTv.into()
+    }
+
+    /// Those of M2, conformalized 3-Laplace.
+    pub fn m2() -> Self {
+        Method::ConformalLaplace.into()
+    }
+
+    /// Those of M3, directional TV.
+    pub fn m3() -> Self {
+        Method::DirectionalTv.into()
+    }
+
+    /// The smooth base of M3 and of the displacement.
+    pub fn base(&self) -> Base {
+        match &self.base {
+            Some(shape) => Base::Shape(shape.clone()),
+            None => Base::ConformalFlow {
+                time: self.base_time,
+            },
+        }
+    }
+
+    /// c and t_N relative to the area, as [`graded_times`] takes them.
+    pub fn relative_scales(&self) -> (f64, f64) {
+        let (finest, largest) = self.method.facts().scales;
+        match self.method.facts().work {
+            // Weyl's law: the K-th eigenvalue of a surface is near 4πK/area.
+            Work::Eigenpairs => {
+                let finest = 1.0 / (4.0 * PI * self.eigenpairs as f64);
+                (finest, (8.0 * finest).max(largest))
+            }
+            _ => (finest, largest),
+        }
+    }
+
+    /// N + 1 times from 0 for N = `steps`, length², by [`graded_times`]. Their ends are fractions of
+    /// the surface `area` that depend on the method, so that one filter means the same on every pose
+    /// and size.
+    ///
+    /// # Errors
+    /// If `steps` is 0.
+    pub fn default_times(&self, area: f64, steps: usize) -> Result<Vec<f64>> {
+        let (finest, largest) = self.relative_scales();
+        graded_times(area * finest, area * largest, steps)
+    }
+
+    /// Steps that are taken and kept; of an accuracy those of the first two flows.
+    pub(super) fn step_count(&self) -> usize {
+        let given = self
+            .times
+            .as_ref()
+            .map(|times| times.len().saturating_sub(1));
+        match self.accuracy {
+            None => given.unwrap_or(self.steps),
+            // The flow with so many steps, and twice as many.
+            Some(_) => given.unwrap_or(0).max(FEWEST_STEPS).saturating_mul(3),
+        }
+    }
+
+    /// The number of steps, or of an accuracy the fewest.
+    pub(super) fn fewest_steps(&self) -> usize {
+        self.accuracy.map_or(self.steps, |_| FEWEST_STEPS)
+    }
+
+    /// Whether the systems of the method's flow on so many vertices are surely solved by iteration.
+    pub(super) fn is_iterated(&self, vertices: usize) -> bool {
+        let solved = match self.method.facts().work {
+            Work::Flow { solved, .. } => solved,
+            _ => 3,
+        };
+        self.stepping.is_iterated(vertices, solved)
+    }
+}
