@@ -2,13 +2,13 @@
 
 use arbitrary::Arbitrary;
 use ndarray::Array2;
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{
     ConformalLaplace, Eigenpairs, Heat, Law, Stepping, TotalVariation,
     conformal_mean_curvature_flow,
 };
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::monitor::Monitor;
-use spectral_tv::operators::Discretization;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use numpy::IntoPyArray;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::Eigenpairs;
 use spectral_tv::monitor::Stage;
-use spectral_tv::operators::Discretization;
 
 use crate::arrays;
 use crate::error::Failure;

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{Operator, conformal_mean_curvature_flow, flow_with};
 use spectral_tv::monitor::Stage;
-use spectral_tv::operators::{self, Discretization};
+use spectral_tv::operators;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 

@@ -11,11 +11,11 @@ use ndarray::{Array1, Array2};
 
 use spectral_tv::Result;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{Scheme, Stepping, Trajectory};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{Settings, decompose, graded_times};
 use spectral_tv::monitor::Monitor;
-use spectral_tv::operators::Discretization;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 

@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 pub mod deformation;
+pub mod discretization;
 pub mod eigenset;
 pub mod error;
 pub mod flow;

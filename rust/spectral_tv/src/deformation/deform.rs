@@ -3,18 +3,20 @@
 use ndarray::Array2;
 
 use crate::deformation::as_rigid_as_possible::as_rigid_as_possible;
-use crate::deformation::constraints::{Constraints, Targets};
+use crate::deformation::constraints::Constraints;
 use crate::deformation::deformer::{Deformer, require};
+use crate::deformation::outcome::{Deformation, carried};
 use crate::deformation::problem::Problem;
 use crate::deformation::quadratic::{biharmonic, harmonic};
 use crate::deformation::reweighted::reweighted;
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
 use crate::monitor::Stage;
 use crate::named::named;
-use crate::operators::{Discretization, positions, total_variation};
+use crate::operators::{positions, total_variation};
 
 /// ε of the dual field that certifies a displacement, relative to its mean gradient.
 const CERTIFICATE_SMOOTHING: f64 = 1e-3;
@@ -65,19 +67,6 @@ impl Default for Settings {
             tolerance: 1e-3,
         }
     }
-}
-
-/// A displacement that meets constraints.
-#[derive(Debug, Clone)]
-pub struct Deformation {
-    /// d = S′ − S, (3, V), length.
-    pub displacement: Array2<f64>,
-    /// TV(d), length², pieces without any constraint left out.
-    pub total_variation: f64,
-    /// A certificate: how far the energy can be above the least, relative to itself.
-    pub gap: f64,
-    /// Iterations: systems solved for the convex algorithm and the paper's.
-    pub iterations: usize,
 }
 
 /// Takes the constrained vertices of `mesh` to `targets` (K positions).
@@ -143,18 +132,6 @@ pub fn deform(
         gap,
         iterations,
     })
-}
-
-/// Where all constraints ask for one displacement, everything follows it.
-pub(super) fn carried(targets: &Targets) -> Deformation {
-    let dimensions = targets.displacements.dim();
-    let displacement = Array2::from_shape_fn(dimensions, |(axis, _)| targets.centre[axis]);
-    Deformation {
-        displacement,
-        total_variation: 0.0,
-        gap: 0.0,
-        iterations: 0,
-    }
 }
 
 /// The gap that the dual field nearest to ∇d/|∇d| proves.

@@ -3,15 +3,16 @@
 use ndarray::Array2;
 
 use crate::deformation::constraints::{Constraints, Targets};
-use crate::deformation::deform::{Deformation, carried};
+use crate::deformation::outcome::{Deformation, carried};
 use crate::deformation::problem::Problem;
 use crate::deformation::span::Span;
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result, has_usable_size, unusable_values};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Slope, TangentField, Variation, check_tolerance};
 use crate::monitor::{Monitor, Stage};
-use crate::operators::{Discretization, total_variation};
+use crate::operators::total_variation;
 
 /// Shrinkage of the smoothing ε from one iteration to the next, down to its goal.
 const CONTINUATION: f64 = 0.2;

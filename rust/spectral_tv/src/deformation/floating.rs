@@ -6,7 +6,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use crate::deformation::rotation::nearest_rotation;
-use crate::mesh::{TriangleMesh, connected_components};
+use crate::mesh::TriangleMesh;
 
 /// The pieces that nothing holds, such as the eyes of a head.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ struct Follower {
 impl Floating {
     /// The components of `mesh` in which no vertex is in `held`.
     pub fn new(mesh: &TriangleMesh, held: impl Iterator<Item = usize>) -> Self {
-        let components = connected_components(mesh);
+        let components = mesh.connected_components();
         let mut is_held = vec![false; mesh.vertex_count()];
         for vertex in held {
             is_held[components[vertex] as usize] = true;

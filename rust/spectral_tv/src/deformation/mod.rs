@@ -11,6 +11,7 @@ mod deform;
 mod deformer;
 mod enclosing_ball;
 mod floating;
+mod outcome;
 mod problem;
 mod quadratic;
 mod reweighted;
@@ -18,5 +19,6 @@ mod rotation;
 mod span;
 
 pub use constraints::Constraints;
-pub use deform::{Algorithm, Deformation, Settings, deform};
+pub use deform::{Algorithm, Settings, deform};
 pub use deformer::Deformer;
+pub use outcome::Deformation;

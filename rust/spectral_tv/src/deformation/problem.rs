@@ -3,8 +3,8 @@
 use ndarray::Array2;
 
 use crate::deformation::constraints::Targets;
+use crate::discretization::Discretization;
 use crate::minimization::{Energy, TangentField, Variation, clipping_factors};
-use crate::operators::Discretization;
 
 /// An energy below this, relative to the displacements times the size, is rounding.
 const UNSTRETCHED: f64 = 1e-9;

@@ -2,15 +2,15 @@
 
 use ndarray::Array2;
 
+use crate::discretization::Discretization;
 use crate::eigenset::decay::Decay;
 use crate::eigenset::perimeter::{Perimeter, mean_edge};
 use crate::eigenset::supersets::{members, supersets};
 use crate::error::{ArgumentError, Result};
 use crate::flow::proximal_flow;
 use crate::memory::needs;
-use crate::mesh::{TriangleMesh, connected_components};
+use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
-use crate::operators::Discretization;
 
 /// Steps of the flow, and how far it goes, in lifetimes of an eigenset.
 const STEPS: usize = 24;
@@ -88,7 +88,7 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
         )
         .into());
     }
-    let components = connected_components(mesh);
+    let components = mesh.connected_components();
     let (inside, outside) = areas_by_component(&components, set, areas);
     let is_parted = |v: usize| {
         let component = components[v] as usize;

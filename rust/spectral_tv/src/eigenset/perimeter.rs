@@ -8,10 +8,11 @@
 
 use ndarray::{Array2, Axis};
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, element_stiffness, total_variation};
+use crate::operators::{element_stiffness, total_variation};
 use crate::solver::Cholesky;
 
 /// The smaller radius in edge lengths: below it the triangles show.
@@ -34,7 +35,7 @@ impl<'a> Diffusion<'a> {
             element_stiffness(&gradient.hats()[face], scale)
         };
         pattern.assemble(gradient, operators.masses(), stiffness, &mut system);
-        let mut cholesky = pattern.cholesky(stage)?;
+        let mut cholesky = operators.cholesky(stage)?;
         cholesky.factorize(&system, stage)?;
         Ok(Self {
             operators,

@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
+use crate::discretization::Discretization;
 use crate::eigenset::perimeter::Diffusion;
 use crate::error::Result;
 use crate::flow::Trajectory;
 use crate::monitor::Stage;
-use crate::operators::Discretization;
 
 /// Numbers of radii of diffusion, from two edges to half the surface's size.
 const RADII: usize = 6;

@@ -3,8 +3,6 @@
 use std::borrow::Cow;
 use std::fmt::{self, Debug, Display, Formatter};
 
-use super::Error;
-
 /// An argument that cannot be used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArgumentError {
@@ -108,12 +106,6 @@ impl Display for ArgumentError {
 
 impl std::error::Error for ArgumentError {}
 
-impl From<ArgumentError> for Error {
-    fn from(error: ArgumentError) -> Self {
-        Self::Argument(error)
-    }
-}
-
 impl ArgumentError {
     /// What is wrong with the argument of that name.
     pub fn new(argument: impl Into<Cow<'static, str>>, fault: Fault) -> Self {
@@ -206,6 +198,7 @@ impl ArgumentError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Error;
 
     #[test]
     fn an_error_tells_the_argument_the_rule_and_the_value() {

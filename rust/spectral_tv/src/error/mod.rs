@@ -85,6 +85,12 @@ pub enum Error {
     Cancelled,
 }
 
+impl From<ArgumentError> for Error {
+    fn from(error: ArgumentError) -> Self {
+        Self::Argument(error)
+    }
+}
+
 impl Error {
     /// The vertices that are at fault, all of them; none where the fault is not theirs.
     pub fn vertices(&self) -> &[usize] {

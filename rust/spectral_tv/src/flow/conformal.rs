@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use ndarray::{Array2, ArrayView2};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::law::Law;
-use crate::flow::recorder::check_steps;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
+use crate::flow::times::check_steps;
 use crate::memory::needs;
 use crate::mesh::{TriangleMesh, barycentric_areas};
 use crate::monitor::Stage;
-use crate::operators::{Discretization, positions};
+use crate::operators::positions;
 use crate::parallel;
 use crate::solver::Solver;
 

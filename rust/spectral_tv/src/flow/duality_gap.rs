@@ -2,9 +2,9 @@
 
 use ndarray::ArrayView2;
 
+use crate::discretization::Discretization;
 use crate::flow::time_step::TimeStep;
 use crate::minimization::{TangentField, clipping_factors};
-use crate::operators::Discretization;
 
 /// Primal minus dual energy of min ½‖u − û‖²_M + τ TV(u) at `state`, for the dual field that
 /// comes of clipping `field` face by face to |z| ≤ 1. Never negative; 0 at the

@@ -2,11 +2,12 @@
 
 use ndarray::{Array2, ArrayView2, Zip};
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::law::Law;
 use crate::flow::time_step::TimeStep;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, SideBySide};
+use crate::operators::SideBySide;
 use crate::parallel;
 
 /// L(w) with w of given gradients, and L(w) u of a state.

@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::heat::Heat;
 use crate::flow::law::Law;
@@ -12,7 +13,6 @@ use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
 use crate::named::named;
-use crate::operators::Discretization;
 
 /// The law by which a function flows, in the metric of the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

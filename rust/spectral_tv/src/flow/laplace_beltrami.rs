@@ -2,14 +2,15 @@
 
 use ndarray::{Array1, Array2, Axis, Slice, aview1};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::flow::origin::{origin_of, without};
-use crate::flow::recorder::check_steps;
+use crate::flow::times::check_steps;
 use crate::flow::trajectory::Trajectory;
 use crate::memory::needs;
-use crate::mesh::{TriangleMesh, component_count, components_of, connected_components};
+use crate::mesh::{TriangleMesh, component_count, components_of};
 use crate::monitor::Stage;
-use crate::operators::{Discretization, element_stiffness};
+use crate::operators::element_stiffness;
 use crate::solver::{Cholesky, Operator, largest_eigenpairs};
 
 /// λ below which the inverse is not taken, × area: far below the first eigenvalue of any shape
@@ -179,11 +180,11 @@ impl Inverse {
         let stiffness =
             |face: usize| element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
         let mut system = operators.pattern().zeros();
-        let mut factor = operators.pattern().cholesky(stage)?;
+        let mut factor = operators.cholesky(stage)?;
         let pattern = operators.pattern();
         stage.pass(|| pattern.assemble(gradient, &diagonal, stiffness, &mut system))?;
         factor.factorize(&system, stage)?;
-        let components = stage.pass(|| connected_components(mesh))?;
+        let components = stage.pass(|| mesh.connected_components())?;
         let mut component_masses = vec![0.0; component_count(&components)];
         for (&component, mass) in components.iter().zip(masses) {
             component_masses[component as usize] += mass;

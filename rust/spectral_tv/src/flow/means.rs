@@ -9,9 +9,9 @@ use std::ops::Range;
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
+use crate::discretization::Discretization;
 use crate::flow::time_step::TimeStep;
 use crate::mesh::{component_count, components_of};
-use crate::operators::Discretization;
 use crate::parallel;
 
 const CONTIGUOUS: &str = "channels are contiguous";

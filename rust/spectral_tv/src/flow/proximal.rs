@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::increment::Precision;
 use crate::flow::proximal_newton::ProximalNewton;
@@ -10,7 +11,7 @@ use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::Trajectory;
 use crate::minimization::check_tolerance;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, total_variation};
+use crate::operators::total_variation;
 
 /// Runs the TV flow, all channels of `initial` (C, V) coupled, by backward Euler steps
 /// u⁺ = argmin ½‖u − u_k‖²_M + Δt TV(u), each to a duality gap of `tolerance` relative to

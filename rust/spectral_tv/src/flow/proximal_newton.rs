@@ -1,5 +1,6 @@
 //! A proximal step of TV by the primal–dual Newton iteration, down to a given gap.
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::duality_gap::duality_gap;
 use crate::flow::increment::Precision;
@@ -7,7 +8,6 @@ use crate::flow::recorder::Solution;
 use crate::flow::time_step::TimeStep;
 use crate::minimization::{Energy, PrimalDualNewton, Variation};
 use crate::monitor::Stage;
-use crate::operators::Discretization;
 
 /// Factorizations after which a step ends with the gap it has, which is reported.
 const MOST_ITERATIONS: usize = 200;

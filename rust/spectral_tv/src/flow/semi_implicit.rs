@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use ndarray::{Array2, ArrayView2, Zip};
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::force::{Force, variation};
 use crate::flow::increment::Precision;
@@ -16,7 +17,7 @@ use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::Trajectory;
 use crate::minimization::least_along;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, SideBySide, inner_product, squared_norm};
+use crate::operators::{SideBySide, inner_product, squared_norm};
 use crate::solver::{Demand, LinearSolver, Solver};
 
 /// Where a semi-implicit step takes its weights.
@@ -131,7 +132,7 @@ impl<'a> StepSolver<'a> {
             means: stage.pass(|| Means::new(operators))?,
             operators,
             law,
-            solver: operators.pattern().solver(solver, demand, stage)?,
+            solver: operators.solver(solver, demand, stage)?,
             stage,
             before: None,
         })

@@ -2,6 +2,7 @@
 
 use ndarray::Array2;
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result};
 use crate::flow::law::Law;
 use crate::flow::proximal::proximal_flow;
@@ -11,7 +12,6 @@ use crate::memory::needs;
 use crate::minimization::check_tolerance;
 use crate::monitor::Stage;
 use crate::named::named;
-use crate::operators::Discretization;
 use crate::solver::{Demand, Solver};
 
 /// How a step takes its weights.

@@ -2,10 +2,11 @@
 
 use ndarray::ArrayView2;
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::law::Law;
 use crate::minimization::Variation;
-use crate::operators::{Discretization, total_variation};
+use crate::operators::total_variation;
 
 /// ε relative to the mean |∇f|: small enough for edges to stay crisp, large enough for the
 /// systems to stay well conditioned.

@@ -3,10 +3,8 @@
 use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate};
 
 use crate::error::{ArgumentError, Result, has_usable_size, unusable_values};
-use crate::flow::increment::{Increment, Precision};
-use crate::flow::recorder::{Recorder, Solution, check_times};
-use crate::monitor::Stage;
-use crate::operators::{Discretization, total_variation};
+use crate::flow::increment::Increment;
+use crate::flow::times::check_times;
 
 /// A flow sampled at N + 1 times.
 ///
@@ -28,35 +26,6 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// A flow from `initial` (C, V) whose states are known: `state` gives u(t_k) for k > 0, less the
-    /// constant (C) that it is given.
-    ///
-    /// # Errors
-    /// If the times do not increase from 0, a value is not finite, or the monitor was cancelled.
-    pub fn sampled(
-        operators: &Discretization,
-        times: &[f64],
-        initial: Array2<f64>,
-        stage: Stage,
-        mut state: impl FnMut(usize, &Array1<f64>) -> Array2<f64>,
-    ) -> Result<Self> {
-        let mut record = Recorder::new(operators, initial, times)?;
-        for k in 1..times.len() {
-            stage.report(k as f64 / times.len() as f64)?;
-            let state = state(k, record.origin());
-            let variation = total_variation(operators.gradient(), state.view());
-            let solution = Solution {
-                state,
-                precision: Precision::Double,
-                gap: 0.0,
-                tau: times[k] - times[k - 1],
-            };
-            record.push(solution, variation);
-        }
-        stage.report(1.0)?;
-        Ok(record.finish())
-    }
-
     /// A flow of what another was made of: the state `initial` (C, V), N increments (C, V), and what
     /// was measured.
     ///

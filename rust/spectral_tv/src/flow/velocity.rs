@@ -2,11 +2,11 @@
 
 use ndarray::{Array2, ArrayView2, aview1};
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::force::Force;
 use crate::flow::law::Law;
 use crate::monitor::Stage;
-use crate::operators::Discretization;
 
 /// p(u) = M(u)⁻¹ L(w(u)) u at the state u (C, V) (Brokman et al. 2024, Eq. 49), (C, V).
 ///

@@ -2,13 +2,13 @@
 
 use ndarray::{Array2, Axis};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::{Stepping, TotalVariation, Trajectory};
 use crate::image::grid::{COVER, Metric, TRIANGLES, grid};
 use crate::memory::needs;
 use crate::method::graded_times;
 use crate::monitor::{Monitor, Stage};
-use crate::operators::Discretization;
 
 /// Default times run from when a spot of this width in pixels is gone that stands out by the
 /// whole contrast, as are fainter ones that are larger …

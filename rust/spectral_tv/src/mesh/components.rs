@@ -2,15 +2,9 @@
 
 use petgraph::unionfind::UnionFind;
 
-use crate::mesh::TriangleMesh;
-
-/// The number of every vertex's connected component, in the order of their first vertices. A
-/// triangle without area connects nothing; a vertex in no other is a component of its own.
-pub(crate) fn connected_components(mesh: &TriangleMesh) -> Vec<u32> {
-    components_of(mesh.vertex_count(), mesh.triangles(), mesh.face_areas())
-}
-
-/// The same for the vertices that `triangles` of these `areas` connect.
+/// The number of every vertex's connected component, in the order of their first vertices, where
+/// `triangles` of these `areas` connect them. A triangle without area connects nothing; a vertex in
+/// no other is a component of its own.
 pub(crate) fn components_of(
     vertex_count: usize,
     triangles: &[[u32; 3]],
@@ -43,10 +37,9 @@ pub(crate) fn component_count(components: &[u32]) -> usize {
 }
 
 /// How many components have a triangle with area.
-pub(super) fn surface_count(mesh: &TriangleMesh) -> usize {
-    let components = connected_components(mesh);
-    let mut has_area = vec![false; component_count(&components)];
-    for (triangle, &area) in mesh.triangles().iter().zip(mesh.face_areas()) {
+pub(super) fn surface_count(components: &[u32], triangles: &[[u32; 3]], areas: &[f64]) -> usize {
+    let mut has_area = vec![false; component_count(components)];
+    for (triangle, &area) in triangles.iter().zip(areas) {
         has_area[components[triangle[0] as usize] as usize] |= area > 0.0;
     }
     has_area.iter().filter(|&&has_area| has_area).count()

@@ -22,14 +22,16 @@ pub(super) fn enlargement(triangles: &[[u32; 3]], lengths: impl Fn(usize) -> [f6
 
 /// Lengths of the edges of a triangle, `enlargement` added to each; all three 0 for a triangle
 /// that repeats an index.
-pub(super) fn enlarged(corners: [u32; 3], lengths: [f64; 3], enlargement: f64) -> [f64; 3] {
+#[inline]
+pub(super) fn enlarged(corners: [u32; 3], [a, b, c]: [f64; 3], enlargement: f64) -> [f64; 3] {
     match repeats_an_index(&corners) {
         true => [0.0; 3],
-        false => lengths.map(|length| length + enlargement),
+        false => [a + enlargement, b + enlargement, c + enlargement],
     }
 }
 
 /// Area from edge lengths, by Kahan's form of Heron's formula, which is stable for needles.
+#[inline]
 pub(crate) fn face_area(lengths: [f64; 3]) -> f64 {
     let [mut a, mut b, mut c] = lengths;
     if a < b {
@@ -46,15 +48,23 @@ pub(crate) fn face_area(lengths: [f64; 3]) -> f64 {
 }
 
 /// Lengths of the edges opposite to a triangle's corners, between points in space.
-pub(super) fn embedded_lengths(vertices: &[[f64; 3]], corners: [u32; 3]) -> [f64; 3] {
-    let [p, q, r] = corners.map(|corner| vertices[corner as usize]);
+#[inline]
+pub(super) fn embedded_lengths(vertices: &[[f64; 3]], [i, j, k]: [u32; 3]) -> [f64; 3] {
+    let [p, q, r] = [
+        &vertices[i as usize],
+        &vertices[j as usize],
+        &vertices[k as usize],
+    ];
     [distance(q, r), distance(r, p), distance(p, q)]
 }
 
-fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
-    (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
+#[inline]
+fn distance(p: &[f64; 3], q: &[f64; 3]) -> f64 {
+    let [x, y, z] = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    (x * x + y * y + z * z).sqrt()
 }
 
+#[inline]
 pub(super) fn repeats_an_index(&[a, b, c]: &[u32; 3]) -> bool {
     a == b || b == c || c == a
 }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use components::surface_count;
-pub(crate) use components::{component_count, components_of, connected_components};
+pub(crate) use components::{component_count, components_of};
 pub use doubts::Doubt;
 pub use findings::Findings;
 use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
@@ -204,6 +204,12 @@ impl TriangleMesh {
         self.area
     }
 
+    /// The number of every vertex's connected component, in the order of their first vertices. A
+    /// triangle without area connects nothing; a vertex in no other is a component of its own.
+    pub(crate) fn connected_components(&self) -> Vec<u32> {
+        components_of(self.vertex_count(), &self.triangles, &self.face_areas)
+    }
+
     /// Where each vertex that was handed in went, `None` for one that was dropped; `None` where all
     /// are what they were.
     pub fn weld_map(&self) -> Option<&[Option<u32>]> {
@@ -213,8 +219,9 @@ impl TriangleMesh {
     /// What was found and done when the mesh was read.
     pub fn findings(&self) -> &Findings {
         if self.findings.get().is_none() {
+            let components = self.connected_components();
             let found = Findings {
-                components: surface_count(self),
+                components: surface_count(&components, &self.triangles, &self.face_areas),
                 ..self.done.unwrap_or_else(|| {
                     let border = open_edges(self.vertex_count(), &self.triangles);
                     Findings::of_border(&border)

@@ -8,6 +8,7 @@
 
 use ndarray::{Array2, Axis};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{Scheme, check_steps, velocity};
 use crate::memory::needs;
@@ -18,7 +19,6 @@ use crate::method::representation::{Flowed, Representation, no_time_steps};
 use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, graded_times};
 use crate::monitor::Stage;
-use crate::operators::Discretization;
 use crate::spectral::{SpectralTransform, even_edges};
 
 /// Share of the progress that is given to the representation.

@@ -2,11 +2,11 @@
 
 use ndarray::Array2;
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::flow::Trajectory;
 use crate::method::band_errors::{bands, lengths, norm};
 use crate::monitor::Stage;
-use crate::operators::Discretization;
 use crate::spectral::even_edges;
 
 /// Steps of the first flow, where no times are given.

@@ -1,5 +1,6 @@
 //! From a mesh and a method to a decomposition.
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::{Eigenpairs, Trajectory, check_times, without};
 use crate::mesh::TriangleMesh;
@@ -9,7 +10,7 @@ use crate::method::representation::{Flowed, Representation};
 use crate::method::requirements::check_memory;
 use crate::method::{Decomposition, Displacement, Settings};
 use crate::monitor::{Monitor, Stage};
-use crate::operators::{Discretization, positions};
+use crate::operators::positions;
 use crate::spectral::SpectralTransform;
 
 /// Share of M3's progress that is given to its base.

@@ -2,13 +2,14 @@
 
 use ndarray::{Array2, ArrayView2, Axis};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result, has_usable_size, unusable_values};
 use crate::flow::conformal_mean_curvature_flow;
 use crate::mesh::TriangleMesh;
 use crate::method::outward::outward_signs;
 use crate::monitor::Stage;
 use crate::named::named;
-use crate::operators::{Discretization, positions};
+use crate::operators::positions;
 use crate::solver::Solver;
 
 /// How far cMCF flows for the default base, relative to the surface area, and in how many

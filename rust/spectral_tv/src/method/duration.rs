@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 use std::time::Instant;
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::{Scheme, Stepping, TotalVariation};
 use crate::memory::needs::Size;
@@ -10,7 +11,7 @@ use crate::mesh::TriangleMesh;
 use crate::method::facts::Work;
 use crate::method::{Settings, graded_times};
 use crate::monitor::Monitor;
-use crate::operators::{Discretization, positions};
+use crate::operators::positions;
 use crate::solver::Solver;
 
 /// Vertices along a side of the surface that the pace is taken on, and steps of its flow.

@@ -8,6 +8,7 @@ mod accuracy;
 mod adaptive_steps;
 mod band_errors;
 mod caricature;
+mod checks;
 mod decompose;
 mod decomposition;
 mod directional;

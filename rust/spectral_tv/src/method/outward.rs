@@ -3,9 +3,10 @@
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, element_stiffness};
+use crate::operators::element_stiffness;
 use crate::solver::{Demand, Solver};
 
 /// How far along the surface directions are kept coherent, squared and relative to the area.
@@ -70,7 +71,7 @@ pub(super) fn outward_signs(
         solutions: 1,
         channels: 1,
     };
-    let mut solver = pattern.solver(solver, demand, stage)?;
+    let mut solver = operators.solver(solver, demand, stage)?;
     let mut couplings = pattern.zeros();
     stage.check()?;
     let stiffness = |face: usize| face_couplings[face];

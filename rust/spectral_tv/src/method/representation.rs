@@ -2,13 +2,14 @@
 
 use ndarray::{Array2, Axis};
 
+use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
 use crate::mesh::TriangleMesh;
 use crate::method::facts::named_where;
 use crate::method::{Displacement, Method, Metric, Settings};
 use crate::monitor::Stage;
-use crate::operators::{Discretization, positions};
+use crate::operators::positions;
 
 /// One function, and the law of its flow.
 pub(super) struct Flowed {
@@ -68,7 +69,7 @@ impl Representation {
                 // What is prepared for the flow serves the base and the signs, too.
                 let solver = settings.stepping.solver;
                 let solver = match settings.stepping.demand(1) {
-                    Some(demand) => operators.pattern().chosen(solver, demand)?,
+                    Some(demand) => operators.chosen(solver, demand)?,
                     None => solver,
                 };
                 let base = settings.base().shape(mesh, operators, solver, stage)?;

@@ -4,16 +4,15 @@ use std::f64::consts::PI;
 
 use ndarray::Array2;
 
-use crate::error::{ArgumentError, Result};
-use crate::flow::{Scheme, Stepping, check_steps};
+use crate::error::Result;
+use crate::flow::Stepping;
 use crate::method::adaptive_steps::FEWEST_STEPS;
-use crate::method::facts::{Work, named_where};
-use crate::method::options::OPTIONS;
+use crate::method::facts::Work;
 use crate::method::schedule::graded_times;
-use crate::method::{Base, Method, Metric, check_accuracy};
+use crate::method::{Base, Method, Metric};
 
 /// What to decompose by. What a method does not take is of no account if it is as by default, and
-/// refused if not; see [`OPTIONS`].
+/// refused if not; see [`crate::method::OPTIONS`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// The method.
@@ -80,43 +79,6 @@ impl Settings {
     /// Those of M3, directional TV.
     pub fn m3() -> Self {
         Method::DirectionalTv.into()
-    }
-
-    /// Refuses settings that make no sense, whatever the mesh.
-    ///
-    /// # Errors
-    /// If one is out of range, or differs from its default and the method does not take it.
-    pub fn check(&self) -> Result<()> {
-        let facts = self.method.facts();
-        self.stepping.check()?;
-        if !(1..=3).contains(&self.p) {
-            return Err(ArgumentError::value("p", "must be 1, 2 or 3", self.p).into());
-        }
-        if self.eigenpairs == 0 {
-            return Err(ArgumentError::value("eigenpairs", "must be at least 1", 0).into());
-        }
-        if let Some(accuracy) = self.accuracy {
-            check_accuracy(accuracy)?;
-        }
-        if self.stepping.scheme == Scheme::Exact && !facts.has_exact_steps() {
-            return Err(crate::flow::no_exact_steps());
-        }
-        let default = Self::default();
-        for option in OPTIONS {
-            if !(option.applies)(self.method) && (option.get)(self) != (option.get)(&default) {
-                let (name, methods) = (option.name, named_where(option.applies, "and"));
-                let message = format!("{name} is an option of {methods} only");
-                return Err(ArgumentError::inapplicable(name, message).into());
-            }
-        }
-        if self.base.is_some() && self.base_time.is_some() {
-            let message = "base_time smooths the mesh itself, so it does not go with base";
-            return Err(ArgumentError::contradiction("base_time", &["base"], message).into());
-        }
-        match (self.accuracy, &self.times, facts.work) {
-            (None, None, Work::Flow { .. } | Work::Eigenpairs) => check_steps(self.steps),
-            _ => Ok(()),
-        }
     }
 
     /// The smooth base of M3 and of the displacement.

@@ -3,11 +3,12 @@
 
 use ndarray::{Array2, ArrayView2};
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::minimization::fields::{TangentField, inner_products};
 use crate::minimization::line_search::least_along;
 use crate::monitor::Stage;
-use crate::operators::{Discretization, FaceVector, inner_product, squared_norm};
+use crate::operators::{FaceVector, inner_product, squared_norm};
 
 /// A convex energy of functions on a mesh, provided that n w(n) grows with n.
 #[derive(Clone, Copy)]

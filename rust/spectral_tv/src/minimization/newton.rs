@@ -7,11 +7,12 @@
 use ndarray::Array2;
 use sprs::CsMatI;
 
+use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::minimization::energy::{Energy, Slope};
 use crate::minimization::fields::{TangentField, clipping_factors, inner_products};
 use crate::monitor::Stage;
-use crate::operators::{Discretization, FaceVector, element_stiffness, pin};
+use crate::operators::{FaceVector, element_stiffness, pin};
 use crate::solver::{Cholesky, conjugate_gradients};
 
 /// Relative accuracy of the inner conjugate gradients, where channels are coupled.
@@ -35,7 +36,7 @@ impl PrimalDualNewton {
     /// [`crate::Error::Cancelled`].
     pub fn new(operators: &Discretization, channels: usize, stage: Stage) -> Result<Self> {
         let system = operators.pattern().zeros();
-        let cholesky = operators.pattern().cholesky(stage)?;
+        let cholesky = operators.cholesky(stage)?;
         let faces = operators.gradient().face_areas().len();
         Ok(Self {
             system,

@@ -74,8 +74,14 @@ impl Gradient {
     /// ∇u of one channel on one face.
     #[inline]
     pub fn on_face(&self, face: usize, channel: &ArrayView1<f64>) -> FaceVector {
-        let corners = self.triangles[face].map(|corner| [channel[corner as usize]]);
-        on_corners(&self.hats[face], corners.each_ref()).map(|[component]| component)
+        let [i, j, k] = self.triangles[face];
+        let corners = [
+            &[channel[i as usize]],
+            &[channel[j as usize]],
+            &[channel[k as usize]],
+        ];
+        let [[x], [y]] = on_corners(&self.hats[face], corners);
+        [x, y]
     }
 
     /// ∇u of one channel on every face.

@@ -6,7 +6,6 @@ use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::{FaceVector, Gradient};
 use crate::parallel;
-use crate::solver::{Analysis, Cholesky, Demand, LinearSolver, Solver};
 
 /// A neighbour of a vertex, and the entry of the pattern for both.
 pub type Neighbour = (u32, u32);
@@ -21,7 +20,6 @@ pub struct LaplacianPattern {
     rows: Vec<u32>,
     /// Positions of each face's three off-diagonal entries, opposite to its corners.
     edge_entries: Vec<[u32; 3]>,
-    analysis: Analysis,
 }
 
 impl LaplacianPattern {
@@ -43,7 +41,6 @@ impl LaplacianPattern {
             column_starts,
             rows,
             edge_entries,
-            analysis: Analysis::default(),
         })
     }
 
@@ -99,30 +96,6 @@ impl LaplacianPattern {
             self.rows.clone(),
             vec![0.0; self.rows.len()],
         )
-    }
-
-    /// A solver of systems with matrices of the pattern.
-    ///
-    /// # Errors
-    /// As [`LinearSolver::new`].
-    pub fn solver(&self, choice: Solver, demand: Demand, stage: Stage) -> Result<LinearSolver> {
-        LinearSolver::new(self.zeros(), &self.analysis, choice, demand, stage)
-    }
-
-    /// Which solver `choice` means for what is demanded of matrices of the pattern.
-    ///
-    /// # Errors
-    /// As [`Solver::chosen`].
-    pub fn chosen(&self, choice: Solver, demand: Demand) -> Result<Solver> {
-        choice.chosen(&self.zeros(), &self.analysis, demand)
-    }
-
-    /// Room for the factor of a matrix.
-    ///
-    /// # Errors
-    /// As [`Cholesky::new`].
-    pub fn cholesky(&self, stage: Stage) -> Result<Cholesky> {
-        Cholesky::new(&self.zeros(), &self.analysis, stage)
     }
 
     /// Fills `system` with diag(`diagonal`) + Σ_f K_f, where `stiffness` gives the off-diagonal

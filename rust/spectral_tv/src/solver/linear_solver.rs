@@ -9,7 +9,7 @@ use crate::monitor::Stage;
 use crate::named::named;
 use crate::parallel;
 use crate::solver::graph::Graph;
-use crate::solver::{Analysis, Cholesky, Multigrid};
+use crate::solver::{Cholesky, Multigrid, Symbolic};
 
 /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
 /// exact.
@@ -60,14 +60,14 @@ impl Solver {
     }
 
     /// Which of the two it is for what is demanded of matrices with the pattern of `lower`,
-    /// which has this `analysis`.
+    /// which has this `symbolic`.
     ///
     /// # Errors
     /// [`Error::Solver`] if the index range does not suffice.
     pub fn chosen(
         self,
         lower: &CsMatI<f64, u32>,
-        analysis: &Analysis,
+        symbolic: &Symbolic,
         demand: Demand,
     ) -> Result<Self> {
         let size = lower.cols();
@@ -75,7 +75,7 @@ impl Solver {
             Self::Auto if size >= demand.most_unknowns() => false,
             Self::Auto if size <= SMALL => true,
             Self::Auto => match demand.largest_fill() {
-                Some(largest) => analysis.fill(lower)? < largest,
+                Some(largest) => symbolic.fill(lower)? < largest,
                 None => true,
             },
             _ => return Ok(self),
@@ -122,39 +122,49 @@ pub struct LinearSolver {
     lower: CsMatI<f64, u32>,
     masses: Vec<f64>,
     rows: Option<Rows>,
-    analysis: Analysis,
+    symbolic: Symbolic,
     multigrid: Option<Multigrid>,
-    cholesky: Option<Cholesky>,
-    /// Whether `cholesky` holds the factor of `lower`.
-    is_factorized: bool,
+    factor: Factor,
+}
+
+/// What there is of a factorization.
+enum Factor {
+    /// Nothing.
+    None,
+    /// Room for one, or that of an earlier matrix.
+    Room(Cholesky),
+    /// That of the matrix at hand.
+    Ready(Cholesky),
 }
 
 impl LinearSolver {
     /// Chooses for the pattern of `lower`, the lower triangle of the matrices to come, which has
-    /// this `analysis`.
+    /// this `symbolic` factorization.
     ///
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if memory does not suffice.
     pub fn new(
         lower: CsMatI<f64, u32>,
-        analysis: &Analysis,
+        symbolic: &Symbolic,
         solver: Solver,
         demand: Demand,
         stage: Stage,
     ) -> Result<Self> {
-        let chosen = stage.pass(|| solver.chosen(&lower, analysis, demand))??;
-        let (multigrid, cholesky) = match chosen == Solver::Multigrid {
-            true => (Some(Multigrid::analyse(&lower, stage)?), None),
-            false => (None, Some(Cholesky::new(&lower, analysis, stage)?)),
+        let chosen = stage.pass(|| solver.chosen(&lower, symbolic, demand))??;
+        let (multigrid, factor) = match chosen == Solver::Multigrid {
+            true => (Some(Multigrid::analyse(&lower, stage)?), Factor::None),
+            false => {
+                let cholesky = Cholesky::new(&lower, symbolic, stage)?;
+                (None, Factor::Room(cholesky))
+            }
         };
         Ok(Self {
             masses: vec![0.0; lower.cols()],
             rows: None,
-            analysis: analysis.clone(),
+            symbolic: symbolic.clone(),
             lower,
             multigrid,
-            cholesky,
-            is_factorized: false,
+            factor,
         })
     }
 
@@ -173,7 +183,10 @@ impl LinearSolver {
         let entries = self.lower.data_mut().par_iter_mut().zip(couplings);
         stage.pass(|| parallel::for_each(entries, |(entry, coupling)| *entry = -tau * coupling))?;
         self.masses.copy_from_slice(masses);
-        self.is_factorized = false;
+        self.factor = match std::mem::replace(&mut self.factor, Factor::None) {
+            Factor::Ready(cholesky) => Factor::Room(cholesky),
+            factor => factor,
+        };
         if let Some(multigrid) = &mut self.multigrid {
             match multigrid.set_matrix(&self.lower, masses, stage) {
                 Err(Error::Solver(_)) => {}
@@ -197,7 +210,7 @@ impl LinearSolver {
         stage: Stage,
     ) -> Result<Array2<f64>> {
         if let Some(multigrid) = &mut self.multigrid
-            && !self.is_factorized
+            && !matches!(self.factor, Factor::Ready(_))
         {
             let guess = guess.map(|guess| guess.view());
             match multigrid.solve(right_hand_sides.view(), guess, tolerance, stage) {
@@ -221,7 +234,7 @@ impl LinearSolver {
             self.factorize(stage)?;
         }
         let mut solutions = right_hand_sides.clone();
-        if let Some(cholesky) = &mut self.cholesky {
+        if let Factor::Ready(cholesky) = &mut self.factor {
             cholesky.solve_in_place(&mut solutions);
         }
         Ok(solutions)
@@ -234,7 +247,7 @@ impl LinearSolver {
 
     /// Whether solutions of the matrix at hand are exact to rounding.
     pub fn is_exact(&self) -> bool {
-        self.multigrid.is_none() || self.is_factorized
+        self.multigrid.is_none() || matches!(self.factor, Factor::Ready(_))
     }
 
     fn factorize(&mut self, stage: Stage) -> Result<()> {
@@ -243,13 +256,15 @@ impl LinearSolver {
             rows => rows.insert(Rows::new(&self.lower, stage)?),
         };
         rows.complete_diagonal(&mut self.lower, &self.masses);
-        let mut cholesky = match self.cholesky.take() {
-            Some(cholesky) => cholesky,
-            None => Cholesky::new(&self.lower, &self.analysis, stage)?,
+        let mut cholesky = match std::mem::replace(&mut self.factor, Factor::None) {
+            Factor::Room(cholesky) | Factor::Ready(cholesky) => cholesky,
+            Factor::None => Cholesky::new(&self.lower, &self.symbolic, stage)?,
         };
         let outcome = cholesky.factorize(&self.lower, stage);
-        self.is_factorized = outcome.is_ok();
-        self.cholesky = Some(cholesky);
+        self.factor = match outcome {
+            Ok(()) => Factor::Ready(cholesky),
+            Err(_) => Factor::Room(cholesky),
+        };
         outcome
     }
 }

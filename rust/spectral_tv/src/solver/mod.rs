@@ -14,7 +14,7 @@ mod multigrid;
 mod scratch;
 
 pub use block_lanczos::{Operator, largest_eigenpairs};
-pub use cholesky::{Analysis, Cholesky};
+pub use cholesky::{Cholesky, Symbolic};
 pub use conjugate_gradients::conjugate_gradients;
 pub use linear_solver::{Demand, LinearSolver, Solver};
 pub use multigrid::Multigrid;

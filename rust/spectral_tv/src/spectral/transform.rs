@@ -149,10 +149,11 @@ fn integral(values: ArrayView2<f64>, masses: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discretization::Discretization;
     use crate::flow::{Heat, Weights, semi_implicit_flow};
     use crate::mesh::TriangleMesh;
     use crate::monitor::Monitor;
-    use crate::operators::{Discretization, positions};
+    use crate::operators::positions;
     use crate::solver::Solver;
 
     #[test]

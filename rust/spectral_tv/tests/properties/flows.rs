@@ -3,13 +3,13 @@
 use ndarray::Array2;
 use proptest::prelude::*;
 
+use spectral_tv::discretization::Discretization;
 use spectral_tv::flow::{
     Eigenpairs, Operator, Stepping, Trajectory, flow as flow_of, proximal_flow,
 };
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::graded_times;
 use spectral_tv::monitor::Monitor;
-use spectral_tv::operators::Discretization;
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::random::{mesh, on, stepping, values};

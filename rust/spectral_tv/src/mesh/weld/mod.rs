@@ -5,6 +5,7 @@
 //! the order of vertices or triangles, as all is treated in the order of places.
 
 mod coincident;
+mod joining;
 mod junctions;
 mod near;
 mod patch;

@@ -7,16 +7,11 @@ use rstar::AABB;
 
 use crate::mesh::intrinsic::repeats_an_index;
 use crate::mesh::open_edges::{OpenEdge, edges_of, open_edges, vertices_of};
-use crate::mesh::weld::{coincident, junctions, near};
 
 /// The share of a corner's shortest edge, or of the height of a triangle, that a corner may be off
 /// and still be joined. The ends of an edge then never become one, nor meet: each moves by less than
 /// √3 times as much, as clusters are measured along the axes.
 pub(super) const REACH: f64 = 0.25;
-
-/// How often edges are split at most. Two or three times do, but edges that many others cross may
-/// take more; whether it ends by itself wherever they are has not been proved.
-const MOST_ROUNDS: usize = 1000;
 
 /// Vertices and triangles, the first vertices of which can be joined.
 #[derive(Debug, Clone)]
@@ -59,21 +54,6 @@ impl Surface {
         surface.find_border();
         surface.bordering = surface.border.iter().map(|edge| edge.triangle).collect();
         surface
-    }
-
-    /// Makes corners at exactly the same place one.
-    pub fn join_coincident(&mut self) {
-        coincident::join(self);
-    }
-
-    /// Joins what is within `tolerance`, which is above 0.
-    pub fn join_within(&mut self, tolerance: f64) {
-        for _ in 0..MOST_ROUNDS {
-            while near::join(self, tolerance) {}
-            if !junctions::close(self, tolerance) {
-                break;
-            }
-        }
     }
 
     /// Positions of all vertices; those of vertices that were joined to another are not used.

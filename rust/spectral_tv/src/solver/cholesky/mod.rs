@@ -1,4 +1,4 @@
-//! Sparse Cholesky factorization: the analysis is done once, each step factorizes anew.
+//! Sparse Cholesky factorization: symbolic once for a pattern, numeric for every matrix.
 //!
 //! Patterns are faer's, and its orders where shapes fall apart by themselves; even, compact
 //! meshes take half of the work in orders of nested dissection, which it has not. Its numeric
@@ -9,6 +9,7 @@
 mod dissection;
 mod factor;
 mod front;
+mod part;
 mod separator;
 mod solve;
 mod supernodes;
@@ -52,20 +53,20 @@ const SMALL: usize = 400;
 /// long to find where nothing can interrupt it.
 const LARGE: usize = 100_000;
 
-/// What matrices of one pattern have in common, found when it is first asked for.
+/// The symbolic factorization of matrices of one pattern, found when it is first asked for.
 #[derive(Debug, Clone, Default)]
-pub struct Analysis(Arc<Found>);
+pub struct Symbolic(Arc<Found>);
 
 #[derive(Debug, Default)]
 struct Found {
     by_degree: OnceLock<Supernodes>,
-    units: OnceLock<Arc<[Unit]>>,
+    units: OnceLock<Arc<Units>>,
     /// Room that a factorization left, for the next one: to have it from the system takes as long
     /// as a factorization.
     spare: Mutex<Option<Vec<Numbers>>>,
 }
 
-impl Analysis {
+impl Symbolic {
     /// Entries that the factor has in each row, on average, in an order of approximate minimum
     /// degree, for the pattern of `lower`.
     ///
@@ -84,7 +85,7 @@ impl Analysis {
         Ok(by_degree.get().expect("found before"))
     }
 
-    fn units(&self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Arc<[Unit]>> {
+    fn units(&self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Arc<Units>> {
         if let Some(units) = self.0.units.get() {
             return Ok(Arc::clone(units));
         }
@@ -94,12 +95,31 @@ impl Analysis {
             LARGE.. => true,
             _ => self.fill(lower)? >= COMPACT_FILL,
         };
-        stage.check()?;
-        let units: Arc<[Unit]> = match pays {
-            true => split(&Supernodes::by_dissection(lower, SMALL, stage)?)?.into(),
-            false => split(self.by_degree(lower)?)?.into(),
+        let units = match pays {
+            true => split(&Supernodes::by_dissection(lower, SMALL, stage)?)?,
+            false => split(self.by_degree(lower)?)?,
         };
+        let units = Arc::new(Units::from(units));
         Ok(Arc::clone(self.0.units.get_or_init(|| units)))
+    }
+}
+
+/// The elimination tree in units of work.
+#[derive(Debug)]
+struct Units {
+    units: Vec<Unit>,
+    /// Whether there are fronts that are multiplied as matrices.
+    has_wide: bool,
+}
+
+impl From<Vec<Unit>> for Units {
+    fn from(units: Vec<Unit>) -> Self {
+        let nodes = units.iter().flat_map(|unit| &unit.nodes);
+        let mut shapes = nodes.map(|node| (node.height, node.width));
+        Self {
+            has_wide: shapes.any(wide::is_wide),
+            units,
+        }
     }
 }
 
@@ -107,29 +127,30 @@ impl Analysis {
 ///
 /// Results are the same however many threads share the work.
 pub struct Cholesky {
-    units: Arc<[Unit]>,
+    units: Arc<Units>,
     numbers: Vec<Numbers>,
     is_factorized: bool,
-    analysis: Analysis,
+    symbolic: Symbolic,
 }
 
 impl Drop for Cholesky {
     fn drop(&mut self) {
-        if let Ok(mut spare) = self.analysis.0.spare.lock() {
+        if let Ok(mut spare) = self.symbolic.0.spare.lock() {
             *spare = Some(std::mem::take(&mut self.numbers));
         }
     }
 }
 
 impl Cholesky {
-    /// Room for the factor of matrices with the pattern of `lower`, which has this `analysis`.
+    /// Room for the factor of matrices with the pattern of `lower`, which has this `symbolic`
+    /// factorization.
     ///
     /// # Errors
     /// [`Error::Memory`], [`Error::Solver`] if the index range does not suffice, or
     /// [`Error::Cancelled`].
-    pub fn new(lower: &CsMatI<f64, u32>, analysis: &Analysis, stage: Stage) -> Result<Self> {
-        let units = analysis.units(lower, stage)?;
-        Self::in_units(units, analysis.clone(), stage)
+    pub fn new(lower: &CsMatI<f64, u32>, symbolic: &Symbolic, stage: Stage) -> Result<Self> {
+        let units = symbolic.units(lower, stage)?;
+        Self::in_units(units, symbolic.clone(), stage)
     }
 
     /// The same for a pattern that nothing is known of.
@@ -137,29 +158,29 @@ impl Cholesky {
     /// # Errors
     /// As [`Self::new`].
     pub fn analyse(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
-        Self::new(lower, &Analysis::default(), stage)
+        Self::new(lower, &Symbolic::default(), stage)
     }
 
-    fn in_units(units: Arc<[Unit]>, analysis: Analysis, stage: Stage) -> Result<Self> {
-        prepare(&units, stage)?;
-        let spare = analysis.0.spare.lock();
+    fn in_units(units: Arc<Units>, symbolic: Symbolic, stage: Stage) -> Result<Self> {
+        let spare = symbolic.0.spare.lock();
         let left = spare.ok().and_then(|mut spare| spare.take());
         let numbers = match left {
             Some(numbers) => numbers,
             None => {
+                let units = units.units.iter();
                 let sizes = units
-                    .iter()
+                    .clone()
                     .map(|unit| unit.panel_length + unit.stack_length);
                 stage.require(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
                 let room = |unit: &Unit| stage.pass(|| Numbers::new(unit, WHAT, ADVICE))?;
-                units.iter().map(room).collect::<Result<_>>()?
+                units.map(room).collect::<Result<_>>()?
             }
         };
         Ok(Self {
             numbers,
             units,
             is_factorized: false,
-            analysis,
+            symbolic,
         })
     }
 
@@ -174,8 +195,11 @@ impl Cholesky {
     pub fn factorize(&mut self, lower: &CsMatI<f64, u32>, stage: Stage) -> Result<()> {
         self.is_factorized = false;
         let Self { units, numbers, .. } = self;
-        // These threads may be others than those of the analysis.
-        prepare(units, stage)?;
+        if units.has_wide {
+            // Here, as these threads may be others than those of the symbolic factorization.
+            scratch::prepare(stage)?;
+        }
+        let units = &units.units;
         self.is_factorized = factor::factorize(units, numbers, lower.data(), stage)?;
         for enlargement in ENLARGEMENTS {
             if self.is_factorized {
@@ -203,19 +227,9 @@ impl Cholesky {
         assert!(self.is_factorized, "factorize before solving");
         for block in right_hand_sides.axis_chunks_iter_mut(Axis(0), 4) {
             match block.nrows() {
-                1 => solve::solve::<1>(&self.units, &mut self.numbers, block),
-                _ => solve::solve::<4>(&self.units, &mut self.numbers, block),
+                1 => solve::solve::<1>(&self.units.units, &mut self.numbers, block),
+                _ => solve::solve::<4>(&self.units.units, &mut self.numbers, block),
             }
         }
-    }
-}
-
-/// Has every thread have what the fronts of these units take.
-fn prepare(units: &[Unit], stage: Stage) -> Result<()> {
-    let nodes = units.iter().flat_map(|unit| &unit.nodes);
-    let mut shapes = nodes.map(|node| (node.height, node.width));
-    match shapes.any(wide::is_wide) {
-        true => scratch::prepare(stage),
-        false => Ok(()),
     }
 }

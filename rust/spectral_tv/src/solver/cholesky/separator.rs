@@ -4,15 +4,7 @@
 
 use crate::error::Result;
 use crate::monitor::Stage;
-use crate::solver::cholesky::dissection::Part;
-
-/// On which side of a separator a vertex lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
-    First,
-    Second,
-    Between,
-}
+use crate::solver::cholesky::part::{Part, Side};
 
 /// No vertex, and the ends of paths.
 const NONE: u32 = u32::MAX;

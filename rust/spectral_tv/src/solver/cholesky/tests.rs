@@ -7,7 +7,7 @@ use sprs::{CsMatI, TriMatI};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::solver::Cholesky;
-use crate::solver::cholesky::Analysis;
+use crate::solver::cholesky::Symbolic;
 use crate::solver::cholesky::supernodes::Supernodes;
 use crate::solver::cholesky::units;
 use crate::solver::examples::{irregular, lattice, random, system_of};
@@ -40,7 +40,12 @@ fn prepared(lower: &CsMatI<f64, u32>, smallest: Option<usize>, least_work: f64) 
         None => Supernodes::by_degree(lower),
     };
     let units = units::split(&nodes.unwrap(), lower, least_work, monitor.whole()).unwrap();
-    Cholesky::in_units(units.into(), Analysis::default(), monitor.whole()).unwrap()
+    Cholesky::in_units(
+        std::sync::Arc::new(units.into()),
+        Symbolic::default(),
+        monitor.whole(),
+    )
+    .unwrap()
 }
 
 fn analysed(lower: &CsMatI<f64, u32>) -> Cholesky {
@@ -95,7 +100,7 @@ fn threads_make_no_difference() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.unwrap().install(|| {
             let mut cholesky = analysed(&lower);
-            assert!(cholesky.units.len() > 4);
+            assert!(cholesky.units.units.len() > 4);
             factorize(&mut cholesky, &lower).unwrap();
             let mut solutions = functions(3, masses.len());
             cholesky.solve_in_place(&mut solutions);

@@ -44,15 +44,21 @@ impl Product {
                     let octets = matrix.starts[row] as usize..matrix.starts[row + 1] as usize;
                     let local = octets.start - matrix.starts[first] as usize;
                     let mut place = |fine: usize| -> [u16; WIDTH] {
-                        match prolongation.reaches(fine) {
-                            true => prolongation.columns[fine]
-                                .map(|column| seen.place(row, column, start, &mut columns)),
-                            false => [0; WIDTH],
+                        let mut places = [0; WIDTH];
+                        if prolongation.reaches(fine) {
+                            for (place, &column) in
+                                places.iter_mut().zip(&prolongation.columns[fine])
+                            {
+                                *place = seen.place(row, column, start, &mut columns);
+                            }
                         }
+                        places
                     };
                     *own = place(row);
                     for (octet, slots) in matrix.octets[octets].iter().zip(&mut slots[local..]) {
-                        *slots = octet.columns.map(|column| place(column as usize));
+                        for (slots, &column) in slots.iter_mut().zip(&octet.columns) {
+                            *slots = place(column as usize);
+                        }
                     }
                     // Weights of 0 of rows that do not take part are added somewhere, too.
                     if columns.len() == start {

@@ -59,13 +59,10 @@ pub struct Multigrid {
     hierarchy: Hierarchy,
     /// What the matrix was divided by.
     scale: f64,
-    /// Whether the clusters no longer fit.
-    is_stale: bool,
+    coarse_levels: CoarseLevels,
     /// Whether coarse levels follow every matrix: where they had to once, they will have to
     /// again.
     is_following: bool,
-    /// Whether the coarse levels are those of the matrix at hand.
-    is_current: bool,
     /// Iterations for [`GAIN`] right after the vertices were clustered, and when the coarse
     /// levels were last brought up to date.
     iterations_when_fresh: Option<f64>,
@@ -76,6 +73,25 @@ pub struct Multigrid {
     lifetime: usize,
     single: Option<Iteration<1>>,
     quadruple: Option<Iteration<4>>,
+}
+
+/// How the coarse levels serve the matrix at hand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum CoarseLevels {
+    /// There are none, or none that would serve it.
+    Unset,
+    /// They are those of an earlier matrix.
+    Outdated,
+    /// They are its own.
+    Current,
+    /// They are its own, but the clusters no longer fit.
+    Unfit,
+}
+
+impl CoarseLevels {
+    fn are_current(self) -> bool {
+        matches!(self, Self::Current | Self::Unfit)
+    }
 }
 
 impl Multigrid {
@@ -90,9 +106,8 @@ impl Multigrid {
             ordering,
             hierarchy: Hierarchy::unset(matrix),
             scale: 1.0,
-            is_stale: true,
+            coarse_levels: CoarseLevels::Unset,
             is_following: false,
-            is_current: false,
             iterations_when_fresh: None,
             iterations_when_current: 0.0,
             age: 0,
@@ -114,15 +129,18 @@ impl Multigrid {
     ) -> Result<()> {
         let finest = &mut self.hierarchy.levels[0].matrix;
         self.scale = stage.pass(|| system::refresh(finest, &self.ordering, lower, masses))?;
-        if self.is_stale || self.age >= self.lifetime {
+        let levels = self.coarse_levels;
+        let must_coarsen = matches!(levels, CoarseLevels::Unset | CoarseLevels::Unfit);
+        if must_coarsen || self.age >= self.lifetime {
             return self.coarsen(stage);
         }
         self.age += 1;
-        self.is_current = self.is_following;
-        match self.is_current {
-            true => self.hierarchy.refresh(stage),
-            false => self.hierarchy.refresh_finest(),
+        if self.is_following {
+            self.coarse_levels = CoarseLevels::Current;
+            return self.hierarchy.refresh(stage);
         }
+        self.coarse_levels = CoarseLevels::Outdated;
+        self.hierarchy.refresh_finest()
     }
 
     /// Solves K x = b for every row b of `right_hand_sides` (C, V), from the rows of `guess` if
@@ -190,7 +208,7 @@ impl Multigrid {
             None => iteration.solution.fill([0.0; L]),
         }
         let (tolerance, stage) = (problem.tolerance, problem.stage);
-        let is_fresh = self.age == 1 && self.is_current;
+        let is_fresh = self.age == 1 && self.coarse_levels.are_current();
         let most = match self.iterations_when_fresh {
             Some(fresh) if !is_fresh => (fresh + MOST_WASTED_ITERATIONS) as usize,
             _ => MOST_ITERATIONS,
@@ -212,7 +230,7 @@ impl Multigrid {
             report = iteration.run(&self.hierarchy, true, tolerance, MOST_ITERATIONS, stage)?;
         }
         if !report.has_converged {
-            self.is_stale = true;
+            self.coarse_levels = CoarseLevels::Unset;
             return Err(Error::Solver(format!(
                 "no convergence in {} iterations",
                 report.iterations
@@ -230,7 +248,7 @@ impl Multigrid {
     }
 
     fn coarsen(&mut self, stage: Stage) -> Result<()> {
-        self.is_stale = true;
+        self.coarse_levels = CoarseLevels::Unset;
         self.iterations_when_fresh = None;
         self.hierarchy.coarsen(stage)?;
         if let Some(iteration) = &mut self.single {
@@ -239,8 +257,7 @@ impl Multigrid {
         if let Some(iteration) = &mut self.quadruple {
             iteration.adapt(&self.hierarchy);
         }
-        self.is_stale = false;
-        self.is_current = true;
+        self.coarse_levels = CoarseLevels::Current;
         self.age = 1;
         Ok(())
     }
@@ -252,9 +269,11 @@ impl Multigrid {
             return;
         }
         let iterations = GAIN.ln() / report.rate.ln();
-        if self.is_current {
+        if self.coarse_levels.are_current() {
             let fresh = *self.iterations_when_fresh.get_or_insert(iterations);
-            self.is_stale |= iterations > fresh + MOST_EXTRA_ITERATIONS;
+            if iterations > fresh + MOST_EXTRA_ITERATIONS {
+                self.coarse_levels = CoarseLevels::Unfit;
+            }
             self.iterations_when_current = iterations;
         } else {
             let bound = self.iterations_when_current + MOST_OUTDATED_ITERATIONS;

@@ -65,15 +65,13 @@ impl<const L: usize> Iteration<L> {
         stage: Stage,
     ) -> Result<Report> {
         let matrix = &hierarchy.levels[0].matrix;
-        let mut size = if has_guess {
-            self.start(hierarchy)
-        } else {
-            0.0
+        let mut size = match has_guess {
+            true => stage.pass(|| self.start(hierarchy))?,
+            false => 0.0,
         };
-        stage.check()?;
-        let mut energy = self
-            .workspace
-            .cycle(hierarchy, &self.residual, &mut self.preconditioned);
+        let (residual, preconditioned) = (&self.residual, &mut self.preconditioned);
+        let cycle = || self.workspace.cycle(hierarchy, residual, preconditioned);
+        let mut energy = stage.pass(cycle)?;
         self.search.copy_from_slice(&self.preconditioned);
         let start = total(energy);
         // Squared errors over those of the iteration before.
@@ -92,8 +90,7 @@ impl<const L: usize> Iteration<L> {
             if report.has_converged || report.iterations == most || !now.is_finite() {
                 return Ok(report);
             }
-            stage.check()?;
-            let curvature = matrix.apply(&self.search, &mut self.image);
+            let curvature = stage.pass(|| matrix.apply(&self.search, &mut self.image))?;
             if (0..L).any(|lane| energy[lane] > 0.0 && curvature[lane] <= 0.0) {
                 return Ok(report);
             }
@@ -101,8 +98,7 @@ impl<const L: usize> Iteration<L> {
             size += (0..L)
                 .map(|lane| f64::from(lengths[lane]) * energy[lane])
                 .sum::<f64>();
-            stage.check()?;
-            self.advance(hierarchy, lengths);
+            stage.pass(|| self.advance(hierarchy, lengths))?;
             report.iterations += 1;
             // The error is known after another cycle only; where it falls as before and that
             // will do, the cycle is spared.
@@ -110,11 +106,10 @@ impl<const L: usize> Iteration<L> {
             if report.has_converged {
                 return Ok(report);
             }
-            stage.check()?;
             let (residual, preconditioned) = (&self.residual, &mut self.preconditioned);
-            let next = self
-                .workspace
-                .finish_cycle(hierarchy, residual, preconditioned);
+            let workspace = &mut self.workspace;
+            let next =
+                stage.pass(|| workspace.finish_cycle(hierarchy, residual, preconditioned))?;
             self.turn(ratios(next, energy));
             falls = [falls[1], total(next) / now];
             energy = next;
@@ -159,7 +154,7 @@ impl<const L: usize> Iteration<L> {
         size
     }
 
-    /// x ← x + α p, r ← r − α K p, and the next cycle's first sweep on r.
+    /// x ← x + α p, r ← r − α K p, and the next cycle's pre-smoothing of r.
     fn advance(&mut self, hierarchy: &Hierarchy, lengths: Lanes<L>) {
         let finest = &hierarchy.levels[0];
         let chunk = finest.matrix.chunk();
@@ -188,7 +183,7 @@ impl<const L: usize> Iteration<L> {
             let (matrix, first) = (&finest.matrix, part * chunk);
             finest
                 .smoother
-                .forward_rows(matrix, first, residual, smoothed);
+                .pre_smooth_rows(matrix, first, residual, smoothed);
         });
     }
 

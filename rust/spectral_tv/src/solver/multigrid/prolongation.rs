@@ -136,7 +136,7 @@ impl Prolongation {
 
     /// `value` + (P `coarse`) in one row.
     #[inline(always)]
-    pub fn add_to<const L: usize>(
+    pub fn corrected<const L: usize>(
         &self,
         mut value: Lanes<L>,
         row: usize,

@@ -48,8 +48,8 @@ impl Smoother {
         are_positive.reduce(|| true, |a, b| a && b)
     }
 
-    /// `x` ← one sweep upwards from 0 on K x = b.
-    pub fn forward<const L: usize>(
+    /// Pre-smooths: `x` ← one sweep upwards from 0 on K x = b.
+    pub fn pre_smooth<const L: usize>(
         &self,
         matrix: &Matrix,
         right_hand_side: &[Lanes<L>],
@@ -63,14 +63,14 @@ impl Smoother {
             .enumerate()
             .with_max_len(1)
             .for_each(|(part, (x, right_hand_side))| {
-                self.forward_rows(matrix, part * chunk, right_hand_side, x);
+                self.pre_smooth_rows(matrix, part * chunk, right_hand_side, x);
             });
     }
 
-    /// [`Self::forward`] in the part of the rows that begins with `first`; the vectors are of
+    /// [`Self::pre_smooth`] in the part of the rows that begins with `first`; the vectors are of
     /// that part alone.
     #[inline(never)]
-    pub fn forward_rows<const L: usize>(
+    pub fn pre_smooth_rows<const L: usize>(
         &self,
         matrix: &Matrix,
         first: usize,
@@ -99,9 +99,9 @@ impl Smoother {
         }
     }
 
-    /// `x` ← `start` + P e, e given by `coarse` if at all, and from there one sweep downwards on
-    /// K x = b; returns b·x of every lane.
-    pub fn backward<const L: usize>(
+    /// Corrects and post-smooths: `x` ← `start` + P e, e given by `coarse` if at all, and from there
+    /// one sweep downwards on K x = b; returns b·x of every lane.
+    pub fn post_smooth<const L: usize>(
         &self,
         matrix: &Matrix,
         right_hand_side: &[Lanes<L>],
@@ -110,7 +110,7 @@ impl Smoother {
         x: &mut [Lanes<L>],
     ) -> [f64; L] {
         let corrected = |row: usize| match coarse {
-            Some((prolongation, coarse)) => prolongation.add_to(start[row], row, coarse),
+            Some((prolongation, coarse)) => prolongation.corrected(start[row], row, coarse),
             None => start[row],
         };
         let chunk = matrix.chunk();
@@ -120,15 +120,15 @@ impl Smoother {
             for (offset, value) in x.iter_mut().enumerate() {
                 *value = corrected(first + offset);
             }
-            self.backward_rows(matrix, first, right_hand_side, &corrected, x)
+            self.post_smooth_rows(matrix, first, right_hand_side, &corrected, x)
         });
         sum(&dots.collect::<Vec<_>>())
     }
 
-    /// [`Self::backward`] in the part of the rows that begins with `first`, from `x` there and
+    /// [`Self::post_smooth`] in the part of the rows that begins with `first`, from `x` there and
     /// from `old` elsewhere.
     #[inline(never)]
-    fn backward_rows<const L: usize>(
+    fn post_smooth_rows<const L: usize>(
         &self,
         matrix: &Matrix,
         first: usize,
@@ -181,8 +181,8 @@ mod tests {
     /// x ↦ one sweep up and one down from 0, the symmetric smoother.
     fn symmetric(smoother: &Smoother, matrix: &Matrix, b: &[Lanes<1>]) -> Vec<Lanes<1>> {
         let (mut up, mut down) = (vec![[0.0]; b.len()], vec![[0.0]; b.len()]);
-        smoother.forward(matrix, b, &mut up);
-        smoother.backward(matrix, b, &up, None, &mut down);
+        smoother.pre_smooth(matrix, b, &mut up);
+        smoother.post_smooth(matrix, b, &up, None, &mut down);
         down
     }
 

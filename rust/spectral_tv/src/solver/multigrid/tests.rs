@@ -6,7 +6,7 @@ use sprs::CsMatI;
 use crate::error::Error;
 use crate::monitor::Monitor;
 use crate::solver::multigrid::examples::{irregular, lattice, random, system_of};
-use crate::solver::{Analysis, Cholesky, Demand, LinearSolver, Multigrid, Solver};
+use crate::solver::{Cholesky, Demand, LinearSolver, Multigrid, Solver, Symbolic};
 
 fn functions(channels: usize, size: usize) -> Array2<f64> {
     let noise = random::<4>(channels * size, 9);
@@ -115,9 +115,9 @@ fn what_does_not_converge_is_factorized() {
         solutions: 1,
         channels: 1,
     };
-    let (choice, analysis) = (Solver::Multigrid, Analysis::default());
+    let (choice, symbolic) = (Solver::Multigrid, Symbolic::default());
     let stage = monitor.whole();
-    let mut solver = LinearSolver::new(lower.clone(), &analysis, choice, demand, stage).unwrap();
+    let mut solver = LinearSolver::new(lower.clone(), &symbolic, choice, demand, stage).unwrap();
     let couplings: Vec<f64> = lower.data().iter().map(|value| -value).collect();
     solver
         .set_matrix(&masses, &couplings, 1.0, monitor.whole())

@@ -1,4 +1,4 @@
-//! One V-cycle, symmetric: a sweep up, the coarser level's correction, a sweep down.
+//! One symmetric V-cycle: pre-smooth, restrict the residual, correct by the next level, post-smooth.
 
 use crate::solver::multigrid::hierarchy::Hierarchy;
 use crate::solver::multigrid::matrix::{Dot, Lanes};
@@ -32,8 +32,8 @@ impl<const L: usize> Workspace<L> {
         }
     }
 
-    /// The sweep that a cycle begins with on the finest level, for callers that take it by
-    /// themselves as soon as parts of the right-hand side are known.
+    /// What a cycle pre-smooths on the finest level, for callers that do so by themselves as soon
+    /// as parts of the right-hand side are known.
     pub fn smoothed(&mut self) -> &mut [Lanes<L>] {
         &mut self.levels[0].smoothed
     }
@@ -45,23 +45,23 @@ impl<const L: usize> Workspace<L> {
         right_hand_side: &[Lanes<L>],
         solution: &mut [Lanes<L>],
     ) -> [f64; L] {
-        sweep(hierarchy, 0, &mut self.levels, right_hand_side);
+        pre_smooth(hierarchy, 0, &mut self.levels, right_hand_side);
         self.finish_cycle(hierarchy, right_hand_side, solution)
     }
 
-    /// [`Self::cycle`] after its first sweep.
+    /// [`Self::cycle`] after pre-smoothing on the finest level.
     pub fn finish_cycle(
         &mut self,
         hierarchy: &Hierarchy,
         right_hand_side: &[Lanes<L>],
         solution: &mut [Lanes<L>],
     ) -> [f64; L] {
-        descend(hierarchy, 0, &mut self.levels, right_hand_side, solution)
+        finish(hierarchy, 0, &mut self.levels, right_hand_side, solution)
     }
 }
 
-/// The sweep upwards on a level.
-fn sweep<const L: usize>(
+/// Pre-smooths on a level.
+fn pre_smooth<const L: usize>(
     hierarchy: &Hierarchy,
     index: usize,
     vectors: &mut [Vectors<L>],
@@ -71,11 +71,11 @@ fn sweep<const L: usize>(
     let smoothed = &mut vectors[0].smoothed;
     level
         .smoother
-        .forward(&level.matrix, right_hand_side, smoothed);
+        .pre_smooth(&level.matrix, right_hand_side, smoothed);
 }
 
-/// What follows that sweep.
-fn descend<const L: usize>(
+/// What follows pre-smoothing on a level: restrict, correct, post-smooth.
+fn finish<const L: usize>(
     hierarchy: &Hierarchy,
     index: usize,
     vectors: &mut [Vectors<L>],
@@ -94,16 +94,16 @@ fn descend<const L: usize>(
             }
             return dot.finish();
         }
-        return smoother.backward(matrix, right_hand_side, &own.smoothed, None, solution);
+        return smoother.post_smooth(matrix, right_hand_side, &own.smoothed, None, solution);
     };
     matrix.residual(right_hand_side, &own.smoothed, &mut own.residual);
     let prolongation = &coarsening.prolongation;
     let (coarse_right, correction) = &mut own.coarse;
     prolongation.restrict(&own.residual, coarse_right);
-    sweep(hierarchy, index + 1, below, coarse_right);
-    descend(hierarchy, index + 1, below, coarse_right, correction);
+    pre_smooth(hierarchy, index + 1, below, coarse_right);
+    finish(hierarchy, index + 1, below, coarse_right, correction);
     let coarse = Some((prolongation, &correction[..]));
-    smoother.backward(matrix, right_hand_side, &own.smoothed, coarse, solution)
+    smoother.post_smooth(matrix, right_hand_side, &own.smoothed, coarse, solution)
 }
 
 #[cfg(test)]

@@ -1,14 +1,15 @@
-//! The operators of one mesh together, built once and shared by all steps.
+//! The operators of one mesh and what solving with them needs, built once and shared by all steps.
 
 use std::sync::OnceLock;
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::ArrayView2;
 
 use crate::error::{ArgumentError, Error, Result, unusable_values};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
-use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern};
+use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern, invertible_masses};
+use crate::solver::{Cholesky, Demand, LinearSolver, Solver, Symbolic};
 
 /// Gradients from here on are refused: their squares, added up, have to be numbers.
 const STEEPEST: f64 = 1e145;
@@ -18,6 +19,7 @@ const STEEPEST: f64 = 1e145;
 pub struct Discretization {
     gradient: Gradient,
     pattern: LaplacianPattern,
+    symbolic: Symbolic,
     /// Made for flows only; deformations never ask for them.
     edges: OnceLock<EdgeLaplacian>,
     masses: Vec<f64>,
@@ -47,6 +49,7 @@ impl Discretization {
             edges: OnceLock::new(),
             gradient,
             pattern,
+            symbolic: Symbolic::default(),
             masses: invertible_masses(mesh.vertex_areas()),
             area: mesh.area(),
         })
@@ -81,6 +84,30 @@ impl Discretization {
     /// Without [`Self::prepare_edges`].
     pub fn edges(&self) -> &EdgeLaplacian {
         self.edges.get().expect("prepared before")
+    }
+
+    /// A solver of systems with matrices of the pattern.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::new`].
+    pub fn solver(&self, choice: Solver, demand: Demand, stage: Stage) -> Result<LinearSolver> {
+        LinearSolver::new(self.pattern.zeros(), &self.symbolic, choice, demand, stage)
+    }
+
+    /// Which solver `choice` means for what is demanded of matrices of the pattern.
+    ///
+    /// # Errors
+    /// As [`Solver::chosen`].
+    pub fn chosen(&self, choice: Solver, demand: Demand) -> Result<Solver> {
+        choice.chosen(&self.pattern.zeros(), &self.symbolic, demand)
+    }
+
+    /// Room for the factor of a matrix of the pattern.
+    ///
+    /// # Errors
+    /// As [`Cholesky::new`].
+    pub fn cholesky(&self, stage: Stage) -> Result<Cholesky> {
+        Cholesky::new(&self.pattern.zeros(), &self.symbolic, stage)
     }
 
     /// M: the lumped mass of every vertex, length², positive everywhere.
@@ -142,22 +169,6 @@ impl Discretization {
             }
         }
     }
-}
-
-/// Vertex areas, with the mean in place of 0: a vertex in no triangle has no neighbours either,
-/// so any mass keeps it where it is and M invertible.
-pub(crate) fn invertible_masses(vertex_areas: &[f64]) -> Vec<f64> {
-    let mean = vertex_areas.iter().sum::<f64>() / vertex_areas.len() as f64;
-    vertex_areas
-        .iter()
-        .map(|&area| if area > 0.0 { area } else { mean })
-        .collect()
-}
-
-/// The positions of a mesh's vertices as a function with three channels, (3, V), in length.
-pub fn positions(mesh: &TriangleMesh) -> Array2<f64> {
-    let vertices = mesh.vertices();
-    Array2::from_shape_fn((3, vertices.len()), |(axis, vertex)| vertices[vertex][axis])
 }
 
 #[cfg(test)]
