@@ -7,10 +7,8 @@ from numpy.typing import NDArray
 
 from spectral_tv import _native
 from spectral_tv._native import Job, Mesh
-from spectral_tv._options import DEFAULTS, Method, Progress
+from spectral_tv._options import STEPS, Method, Progress
 from spectral_tv._work import starting, waiting
-
-STEPS: int = DEFAULTS["steps"]
 
 
 @waiting

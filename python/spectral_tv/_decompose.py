@@ -7,11 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_tv import _native
 from spectral_tv._native import Decomposition, Job, Mesh
-from spectral_tv._options import DEFAULTS, DecomposeOptions, Method, Progress
+from spectral_tv._options import DEFAULTS, STEPS, DecomposeOptions, Method, Progress
 from spectral_tv._results import Estimate
 from spectral_tv._work import spelled, starting, waiting
-
-STEPS: int = DEFAULTS["steps"]
 
 
 @waiting

@@ -6,11 +6,10 @@ from numpy.typing import ArrayLike
 
 from spectral_tv import _native
 from spectral_tv._native import Flow, Job
-from spectral_tv._options import DEFAULTS, Progress, StepOptions
+from spectral_tv._options import STEPS, Progress, StepOptions
 from spectral_tv._work import starting, waiting
 
 Metric = Literal["flat", "surface"]
-STEPS: int = DEFAULTS["steps"]
 
 
 @waiting
