@@ -102,7 +102,6 @@ impl Handles {
 
 #[pyfunction]
 pub fn start_deform(
-    py: Python<'_>,
     mesh: &Mesh,
     indices: &Bound<'_, PyAny>,
     targets: &Bound<'_, PyAny>,
@@ -116,7 +115,7 @@ pub fn start_deform(
         softness,
         tolerance,
     };
-    let constraints = Handles::new(mesh, indices, weights)?.constraints(py, mesh)?;
+    let constraints = Handles::new(mesh, indices, weights)?.constraints(indices.py(), mesh)?;
     let targets = arrays::positions("targets", targets)?;
     let shape = Arc::new(Shape::new(mesh, &constraints));
     let surface = Arc::clone(&shape.mesh);
