@@ -241,7 +241,7 @@ def _clay() -> bpy.types.Material:
 
 
 def _painted() -> bpy.types.Material:
-    """The same surface in the colours of the vertices."""
+    """The same surface in the colors of the vertices."""
     material = bpy.data.materials.get(PAINT)
     if material is not None:
         return material
@@ -264,7 +264,7 @@ def _matte(name: str) -> tuple[bpy.types.Material, bpy.types.ShaderNode]:
 
 
 def _shade(stops: Iterable, levels: Iterable[tuple[float, float]]) -> None:
-    """Set the stops of a colour ramp to (position, brightness of the clay) pairs."""
+    """Set the stops of a color ramp to (position, brightness of the clay) pairs."""
     for stop, (position, brightness) in zip(stops, levels, strict=True):
         stop.position = position
         stop.color = (*(brightness * c for c in CLAY), 1.0)
