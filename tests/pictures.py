@@ -1,7 +1,7 @@
 """Picture files, written and read without Blender: the values that are really in them.
 
-Values are (H, W, C) from the top down, C being 1 for grey, 2 for grey and alpha, 3 for colours and
-4 for colours and alpha.
+Values are (H, W, C) from the top down, C being 1 for grey, 2 for grey and alpha, 3 for colors and
+4 for colors and alpha.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ EXR_NAMES = {1: ["Y"], 2: ["Y", "A"], 3: ["R", "G", "B"], 4: ["R", "G", "B", "A"
 def values(channels: int, depth: str, associated: bool, side: tuple[int, int] = (12, 14)) -> Values:
     """Random values of a depth, with transparent and half transparent pixels; floats to beyond 1.
 
-    Alpha is at least a quarter where it is not 0. Colours are multiplied by it if ``associated``.
+    Alpha is at least a quarter where it is not 0. Colors are multiplied by it if ``associated``.
     """
     rng = np.random.default_rng(channels)
     found = rng.random((*side, channels))
@@ -93,7 +93,7 @@ def read(path: Path) -> Values:
 
 
 def is_associated(path: Path) -> bool:
-    """Whether a file has colours that are multiplied by alpha."""
+    """Whether a file has colors that are multiplied by alpha."""
     if path.suffix == ".exr":
         return True
     if path.suffix != ".tif":

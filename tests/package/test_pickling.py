@@ -43,7 +43,7 @@ FLOWS = {
     "heat": lambda: spectral_tv.flow(MESH, VERTICES, TIMES, "heat"),
     "one step": lambda: spectral_tv.flow(MESH, VERTICES, [0.0, 0.1]),
     "image": lambda: spectral_tv.decompose_image(VERTICES[:120, 2].reshape(10, 12), steps=5),
-    "colours": lambda: spectral_tv.decompose_image(VERTICES[:120].reshape(12, 10, 3), steps=5),
+    "colors": lambda: spectral_tv.decompose_image(VERTICES[:120].reshape(12, 10, 3), steps=5),
     **{
         f"{method} by {solver}": lambda method=method, solver=solver: spectral_tv.decompose(
             MESH, method, steps=5, solver=solver

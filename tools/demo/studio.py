@@ -238,7 +238,7 @@ def _clay(material: bpy.types.Material, shader: bpy.types.ShaderNode) -> None:
 
 
 def _painted(material: bpy.types.Material, shader: bpy.types.ShaderNode) -> None:
-    """The same surface in the colours of the vertices."""
+    """The same surface in the colors of the vertices."""
     paint = material.node_tree.nodes.new("ShaderNodeVertexColor")
     paint.layer_name = PAINT
     for name in ("Base Color", "Emission Color"):  # shades are not to be taken for values
@@ -263,7 +263,7 @@ def _matte(
 
 
 def _shade(stops: Iterable, levels: Iterable[tuple[float, float]]) -> None:
-    """Set the stops of a colour ramp to (position, brightness of the clay) pairs."""
+    """Set the stops of a color ramp to (position, brightness of the clay) pairs."""
     for stop, (position, brightness) in zip(stops, levels, strict=True):
         stop.position = position
         stop.color = (*(brightness * c for c in CLAY), 1.0)

@@ -10,7 +10,7 @@ from .gallery import Gallery
 
 STEPS = (4, 8, 16, 32)
 REFINED = 128
-# Of the colours, as powers of ten.
+# Of the colors, as powers of ten.
 SCALE = (-4.5, -2.0)
 
 

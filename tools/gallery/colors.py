@@ -1,4 +1,4 @@
-"""Values as colours."""
+"""Values as colors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DISTINCT = np.array(
 
 
 def colors(values: np.ndarray, low: float, high: float) -> np.ndarray:
-    """Linear colours (V, 3) of values (V,) on the scale from ``low`` to ``high``."""
+    """Linear colors (V, 3) of values (V,) on the scale from ``low`` to ``high``."""
     share = np.clip((values - low) / (high - low), 0, 1) * (len(SEQUENTIAL) - 1)
     places = np.arange(len(SEQUENTIAL))
     encoded = np.column_stack([np.interp(share, places, column) for column in SEQUENTIAL.T])
@@ -23,7 +23,7 @@ def colors(values: np.ndarray, low: float, high: float) -> np.ndarray:
 
 
 def labels(numbers: np.ndarray) -> np.ndarray:
-    """Linear colours (V, 3) of labels from 0."""
+    """Linear colors (V, 3) of labels from 0."""
     return _linear(DISTINCT[numbers % len(DISTINCT)].astype(float))
 
 

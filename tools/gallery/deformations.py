@@ -19,7 +19,7 @@ WAYS = (
 
 
 def make(gallery: Gallery) -> None:
-    """Each way as clay, and with the lengths of its displacements as colours."""
+    """Each way as clay, and with the lengths of its displacements as colors."""
     for name, shape, indices, targets in pulls(gallery):
         mesh = shape.mesh
         ways = [

@@ -39,7 +39,7 @@ class Shape:
     def photograph(
         self, shots: Sequence[tuple[np.ndarray, np.ndarray | None]], cell: int = CELL
     ) -> list[Image.Image]:
-        """Photographs of (positions, linear colours or None), all at the scale of the shape."""
+        """Photographs of (positions, linear colors or None), all at the scale of the shape."""
         with temporary_data():
             data = bpy.data.meshes.new("Shape")
             data.from_pydata(self.vertices.tolist(), [], self.triangles.tolist())
@@ -59,7 +59,7 @@ class Shape:
         return self.photograph([(shape, None) for shape in shapes], cell)
 
     def painted(self, colors: Sequence[np.ndarray], cell: int = CELL) -> list[Image.Image]:
-        """Photographs of the shape itself in several colourings."""
+        """Photographs of the shape itself in several colorings."""
         return self.photograph([(self.vertices, each) for each in colors], cell)
 
 

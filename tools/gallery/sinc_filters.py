@@ -1,4 +1,4 @@
-"""Figures 1 and 6: the height of the turned sinc curve filtered, as colour and as shape."""
+"""Figures 1 and 6: the height of the turned sinc curve filtered, as color and as shape."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FILTERS = (
 
 
 def make(gallery: Gallery) -> None:
-    """Show filtered heights as colours, and put them in the place of the height."""
+    """Show filtered heights as colors, and put them in the place of the height."""
     shape = shapes.sinc()
     height = shape.vertices[:, 2]
     flow = spectral_tv.flow(shape.mesh, height, TIMES, exact=True)
