@@ -1,4 +1,4 @@
-"""Which filter the bands of a function get: what the user chooses, and what it comes to."""
+"""The filter of a function's bands: what the user chooses, and the gain of each band."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,8 @@
-"""Bands in the place of others: what was dialled, masked, animated and driven goes over to them.
+"""New bands in the place of old ones: they take over values, masks, animation and drivers.
 
-The values of bands are a filter over scales, constant within each. The new bands get its means,
-each component counted once, as bands hold equal numbers of components.
+The values of bands are a filter over scales, constant within each band. The value of a new band is
+the mean of this filter over its components. All components have the same weight, as bands hold
+equal numbers of components.
 """
 
 from collections.abc import Iterator, Sequence

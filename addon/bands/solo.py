@@ -1,4 +1,4 @@
-"""One band alone: the others muted, and what was muted before kept in mind."""
+"""Solo: mutes all bands but one, and remembers which were muted before."""
 
 import bpy
 

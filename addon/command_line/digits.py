@@ -1,6 +1,6 @@
 """Coordinates with more digits than a float of Blender holds, such as those of scans in maps.
 
-A PLY file or one of text is read relative to a round point near its middle; what is written is
+PLY files and text files are read relative to a round point near their middle. What is written is
 relative to 0 again.
 """
 

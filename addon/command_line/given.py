@@ -1,4 +1,4 @@
-"""What a file itself gives of vertices and faces, and what of it Blender's importers leave out."""
+"""The vertices and faces that a file gives, and those that Blender's importers leave out."""
 
 import os
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""Having Blender's importer of glTF read what is in a file."""
+"""Mending what Blender's importer of glTF reads wrongly or leaves out."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

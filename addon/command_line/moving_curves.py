@@ -1,4 +1,4 @@
-"""Having Blender's exporter of FBX give curves to what moves alone."""
+"""Making Blender's FBX exporter write animation curves only for what moves."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""Writing files by their suffix, whole, and telling what is not in them."""
+"""Writing files by their suffix, whole, and noting what the formats do not hold."""
 
 import os
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""Signals that end the program."""
+"""Signals that ask the program to end."""
 
 import signal
 from collections.abc import Iterator

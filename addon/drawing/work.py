@@ -1,4 +1,4 @@
-"""What panels share that start work."""
+"""The base class and the rows of panels that start work."""
 
 from collections.abc import Callable
 

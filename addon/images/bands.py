@@ -1,4 +1,4 @@
-"""From a picture to its flow, and from the flow to its bands and what is made of them."""
+"""From a picture to its flow, and from the flow to bands and filtered pictures."""
 
 from dataclasses import dataclass
 

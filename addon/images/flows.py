@@ -1,4 +1,4 @@
-"""The flow of the part of a picture that can be seen, as if there were nothing else."""
+"""The flow of the visible part of a picture, as if there were nothing else."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
-"""What operators share: they refuse, change something at once, or have a job work.
+"""Base classes of operators: one that changes something at once, and one that runs a job.
 
-A job blocks in scripts, and runs beside a window, where Esc cancels it.
+In scripts a job blocks. With a window it runs beside it, and Esc cancels it.
 """
 
 import time

@@ -1,7 +1,7 @@
 """Declaring options, as fields of dataclasses.
 
-Everything else is made of such a field: the property of an operator and of the sidebar, its row in
-a panel, the argument of the command line, what a report says, and a keyword of the package.
+All else is made from such a field: the property of an operator and of the sidebar, its row in a
+panel, the argument of the command line, what a report says, and a keyword of the package.
 """
 
 from collections.abc import Callable, Iterable, Mapping

@@ -1,8 +1,8 @@
-"""Fingerprints of what was written on a mesh: it is known again whatever it is called today.
+"""Fingerprints of what was written on a mesh: they recognise it whatever its name is today.
 
-Vertex groups, attributes and shape keys can hold nothing that would mark them. So what was written
-is known by its contents: exactly, or for shape keys up to rounding, and while most of it is as it
-was.
+Vertex groups, attributes and shape keys can hold no mark. So what was written is recognised by its
+contents, which have to be exactly the same. A shape key is compared up to rounding. If about half
+of it is as it was, it is recognised as one that was changed.
 """
 
 from collections.abc import Collection, Sequence

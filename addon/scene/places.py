@@ -1,7 +1,7 @@
 """Where objects and bones are in the world, hidden ones too.
 
-Blender moves what is shown. What is hidden keeps the place that it had when it was last shown,
-unless something shown depends on it.
+Blender updates only what is shown. A hidden object keeps the place that it had when it was last
+shown, unless something shown depends on it.
 """
 
 from collections.abc import Iterable, Iterator

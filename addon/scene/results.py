@@ -1,8 +1,8 @@
-"""What is written on a mesh of something on it: beside that, and over what was written before.
+"""Results of functions on a mesh: written beside their source, over the results of the last time.
 
-A mesh remembers what was written of which source, with a fingerprint. What has it still is ours,
-and is written over whatever it is called today. What the user changed, locked or made is the
-user's: it stays, and the result is written beside it.
+A mesh remembers the results of each source, with their fingerprints. What still has its fingerprint
+is ours, and is written over whatever its name is today. What the user changed, locked or made is
+the user's: it stays, and the result is written beside it.
 """
 
 from collections.abc import Callable, Mapping

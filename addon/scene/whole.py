@@ -1,4 +1,4 @@
-"""What is written is whole or not there."""
+"""Writing on meshes whole or not at all."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
