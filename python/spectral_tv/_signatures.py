@@ -1,4 +1,4 @@
-"""Signatures that spell out the options that functions share."""
+"""Writing out shared options in the signatures of functions."""
 
 import inspect
 from collections.abc import Callable
