@@ -6,9 +6,10 @@
 //!
 //! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
 //!
-//! [`deformation`] stands beside the flows, on [`minimization`]; [`segmentation`] is of what
-//! [`method`] gives; [`eigenset`] tests sets by their [`flow`]; [`image`] flows pixels. [`monitor`] and [`memory`] say
-//! to all of them when to stop, and what does not fit.
+//! [`deformation`] stands beside the flows and uses [`minimization`]. [`segmentation`] groups the
+//! spectra that [`method`] gives. [`eigenset`] tests sets by their [`flow`]. [`image`] flows
+//! pixels. All of them use [`monitor`], which tells them when to stop, and [`memory`], which tells
+//! what fits.
 
 #![forbid(unsafe_code)]
 

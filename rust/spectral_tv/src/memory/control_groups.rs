@@ -1,7 +1,8 @@
-//! Limits of Linux's control groups, which are those of containers, services and cluster jobs.
+//! Limits of Linux's control groups: those of containers, services and cluster jobs.
 //!
-//! A process is in a group of the hierarchy that limits memory: the first version's, or the
-//! second's, of which there is one for everything. The limits of all groups around it hold as well.
+//! A process belongs to one group of each hierarchy. In version 1 of control groups memory has a
+//! hierarchy of its own; version 2 has one for everything. The limits of all enclosing groups hold
+//! too.
 
 use std::fs;
 use std::path::{Path, PathBuf};

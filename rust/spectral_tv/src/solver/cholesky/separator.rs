@@ -1,5 +1,5 @@
-//! Smallest separators of a graph: by Menger's theorem there are as many paths without a common
-//! vertex as the separator has vertices. Paths are found depth first, towards the other side
+//! Smallest separators of a graph. By Menger's theorem a smallest separator has as many vertices as
+//! there are paths without a common vertex. Paths are found depth first, towards the other side
 //! (Pothen and Fan 1990, for matchings).
 
 use crate::error::Result;
