@@ -1,8 +1,8 @@
 //! The length of a set's boundary, independent of the triangles that it crosses.
 //!
-//! The TV of an indicator and the length of its contour both follow the triangles. On most meshes they
-//! are some 10 % too long. The amount that crosses the boundary in a short time of diffusion does
-//! not follow the triangles (Ledoux 1994 for heat; here one implicit step):
+//! The TV of an indicator and the length of its contour both follow the triangles. On most meshes
+//! they are some 10 % too long. The amount that crosses the boundary in a short time of diffusion
+//! does not follow the triangles (Ledoux 1994 for heat; here one implicit step):
 //!
 //! ∫_{M∖C} (I − r²Δ)⁻¹ χ_C = r/2 per(C) + O(r³).
 //!
