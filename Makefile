@@ -51,7 +51,7 @@ test-window: $(EXTENSION_STAMP)
 
 # A thousand cases for each property, new ones every time.
 fuzz: $(WHEEL_STAMP)
-	PROPTEST_CASES=1000 cargo test --release --quiet --package spectral-tv --test properties
+	PROPTEST_CASES=1000 cargo test --release --quiet --package spectral-tv --features internals --test properties
 	$(BIN)/python -m pytest tests/fuzz --hypothesis-profile=long
 
 # Inputs that a fuzzer finds by the code they reach, for SECONDS. Needs a nightly compiler and

@@ -11,7 +11,7 @@ import spectral_tv
 PATIENCE = 120.0
 
 
-def result(job: spectral_tv.Job) -> Any:
+def result(job: spectral_tv.Job[Any]) -> Any:
     """What the job gives or raises; a job that hangs is ended and fails the test."""
     end = time.monotonic() + PATIENCE
     while not job.done:

@@ -19,6 +19,7 @@ from ..scene.objects import Refusal
 from ..scene.records import (
     SpectralTVRecord,
     bands_of,
+    forget_stale,
     keeping_of,
     new_identity,
     recognise_bands,
@@ -135,6 +136,7 @@ def add_bands(
     _flows[record.identifier] = flow
     while len({id(kept.split) for kept in _flows.values()}) > MOST_FLOWS:
         del _flows[next(iter(_flows))]
+    forget_stale()
     return names
 
 

@@ -59,7 +59,14 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
                 piece = Piece("KEY", displacement(others[band]) @ turn.T)
                 taken = {f"{source.name} {others[band].name}": piece}
                 # One that was taken in its place before goes.
-                names += results.write(obj, KIND, str(band + 1), taken, lambda _: True, _wanted)
+                names += results.write(
+                    obj,
+                    KIND,
+                    str(band + 1),
+                    taken,
+                    lambda _: True,
+                    lambda _source, label: (label, ""),
+                )
         for name in names:
             obj.data.shape_keys.key_blocks[name].value = 1.0
         values = [key.value if key is not None else 0.0 for key in own]
@@ -67,10 +74,6 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
             values[band] = -1.0
         set_values(obj, values)
         return len(names)
-
-
-def _wanted(_source: str, label: str) -> tuple[str, str]:
-    return label, ""
 
 
 def _other(context: bpy.types.Context) -> bpy.types.Object:

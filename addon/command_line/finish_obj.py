@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ..files.torn import require
-from ..scene.coordinates import coordinates
+from ..scene.coordinates import points
 from .digits import OBJ_AXES, Digits, are_coarse, are_nowhere, decimals_of, fine_decimals
 
 # What is less than this of a matrix is rounding.
@@ -57,7 +57,7 @@ def _instances() -> dict[str, list[_Instance]]:
         # A turn by 90° is not quite one in floats.
         linear[np.abs(linear) < NOISE * np.abs(linear).max()] = 0.0
         linear = np.where(np.abs(np.abs(linear) - 1) < NOISE, np.sign(linear), linear)
-        own = coordinates(obj.data.vertices).reshape(-1, 3).astype(np.float64)
+        own = points(obj.data.vertices)
         instance = _Instance(own @ linear.T + place, len(obj.data.polygons))
         found.setdefault(_name(obj), []).append(instance)
     return found

@@ -13,7 +13,7 @@ import numpy as np
 from ..files import ply
 from ..files.checks import Torn, check
 from ..scene.animation import curves_of
-from ..scene.coordinates import coordinates
+from ..scene.coordinates import coordinates, points
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
@@ -173,7 +173,7 @@ def _ensure_readable(path: Path, suffix: str) -> None:
 def _tell_coarse(objects: list[bpy.types.Object]) -> None:
     """Note which meshes are too far from 0 for floats to hold details of them."""
     for mesh, obj in {obj.data: obj for obj in objects if obj.type == "MESH"}.items():
-        step = are_coarse(coordinates(mesh.vertices).reshape(-1, 3).astype(np.float64))
+        step = are_coarse(points(mesh.vertices))
         if step is not None:
             note(
                 f"{obj.name} is so far from 0 that its coordinates are in steps of {step:.2g}, and "
@@ -186,7 +186,7 @@ def _exact(given: files.Given, objects: list[bpy.types.Object]) -> Exact | None:
     meshes = [obj.data for obj in objects if obj.type == "MESH"]
     if len(meshes) != 1 or given.points is None or len(meshes[0].vertices) != len(given.points):
         return None
-    held = coordinates(meshes[0].vertices).reshape(-1, 3).astype(np.float64)
+    held = points(meshes[0].vertices)
     return Exact(given.points, held)
 
 

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 from ..scene.animation import curves_of
+from ..scene.applied import mesh_of
 from ..scene.coordinates import seen_coordinates
 from ..scene.notes import listed, note
 from ..scene.shape_keys import SLIDER_RANGE
@@ -89,11 +90,7 @@ def _copy(obj: bpy.types.Object, kept: Kept, copies: dict[tuple, bpy.types.Mesh]
         place += (obj.name,)
     if place in copies:
         return copies[place]
-    graph = bpy.context.evaluated_depsgraph_get()
-    copy = bpy.data.meshes.new_from_object(
-        obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
-    )
-    copies[place] = copy
+    copy = copies[place] = mesh_of(obj)
     for name, value in obj.data.items():
         with suppress(TypeError):
             copy[name] = value

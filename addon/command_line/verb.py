@@ -2,8 +2,8 @@
 
 import argparse
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ import spectral_tv
 from ..files.whole import ensure_writable
 from ..options.arguments import names_of, read, told
 from ..scene.frames import kept, visited
-from ..scene.notes import gathered, listed, note
+from ..scene.notes import about, gathered, listed
 from ..scene.objects import Refusal, refusal
 from . import errors, picture
 from .arguments import add_arguments, complaint, epilog, outputs
@@ -269,7 +269,7 @@ class Verb(Command):
         for group in groups:
             names = [obj.name for obj in group]
             task = Task(job.file, f"{job.source}: {listed(names)}{label}")
-            with _about(names) if len(groups) > 1 else nullcontext():
+            with about(listed(names)) if len(groups) > 1 else nullcontext():
                 self._treat_group(group, choices, task)
             if names not in job.done:
                 job.done.append(names)
@@ -281,18 +281,6 @@ class Verb(Command):
             self.treat(objects, choices, task)
         except (Refusal, spectral_tv.MeshError, MemoryError) as error:
             raise Refusal(f"{objects[0].name}: {error}") from error
-
-
-@contextmanager
-def _about(names: Sequence[str]) -> Iterator[None]:
-    """Say in all notes meanwhile which of several objects they are about."""
-    found: list[str] = []
-    try:
-        with gathered() as found:
-            yield
-    finally:
-        for text in found:
-            note(f"{listed(names)}: {text}")
 
 
 def _named(names: list[str]) -> list[bpy.types.Object]:

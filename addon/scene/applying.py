@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from . import results
+from .applied import mesh_of
 from .arrays import numbers
 from .contents import digest, topology_digest
 from .coordinates import coordinates
@@ -89,10 +90,7 @@ def _evaluated(obj: bpy.types.Object, name: str) -> Iterator[Applied]:
         for key in obj.data.shape_keys.key_blocks:
             mesh.vertices.foreach_set("co", coordinates(key.data))
             mesh.update()
-            graph = bpy.context.evaluated_depsgraph_get()
-            result = bpy.data.meshes.new_from_object(
-                copy.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph
-            )
+            result = mesh_of(copy)
             made.append(result)
             shapes.append(coordinates(result.vertices))
             if len(made) > 1:

@@ -12,20 +12,24 @@ def coordinates(data: bpy.types.bpy_prop_collection) -> np.ndarray:
     return flat
 
 
+def points(data: bpy.types.bpy_prop_collection) -> np.ndarray:
+    """Coordinates of vertices or shape key points in double precision, (V, 3)."""
+    return coordinates(data).reshape(-1, 3).astype(np.float64)
+
+
 def seen_coordinates(obj: bpy.types.Object) -> np.ndarray:
     """Where the vertices of an object are seen, its keys and modifiers applied, in object space,
     (V, 3).
     """
     bpy.context.view_layer.update()
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return coordinates(evaluated.data.vertices).reshape(-1, 3).astype(np.float64)
+    return points(evaluated.data.vertices)
 
 
 def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
     """Positions of the Basis shape key, or of the mesh where it has none, (V, 3)."""
     keys = mesh.shape_keys
-    source = mesh.vertices if keys is None else keys.reference_key.data
-    return coordinates(source).reshape(-1, 3).astype(np.float64)
+    return points(mesh.vertices if keys is None else keys.reference_key.data)
 
 
 def triangles(mesh: bpy.types.Mesh, shape: np.ndarray | None = None) -> np.ndarray:

@@ -50,10 +50,10 @@ class Keeping(Protocol):
     def keyframe(self, band: Band, frame: float) -> bool:
         """Insert a keyframe for the value, and tell whether Blender did."""
 
-    def mark(self, obj: bpy.types.Object, identifier: str) -> None:
+    def mark(self, mesh: bpy.types.Mesh, identifier: str) -> None:
         """Mark what is kept as that of the record of this identifier."""
 
-    def is_marked(self, obj: bpy.types.Object, identifier: str) -> bool:
+    def is_marked(self, mesh: bpy.types.Mesh, identifier: str) -> bool:
         """Whether it still is that: Blender may have removed it all."""
 
 
@@ -82,15 +82,16 @@ class ShapeKeys:
         return insert_keyframe(band, "value", frame)
 
     @staticmethod
-    def mark(obj: bpy.types.Object, identifier: str) -> None:
+    def mark(mesh: bpy.types.Mesh, identifier: str) -> None:
         """Mark the block; the record that 0.1.0 kept there is none any more."""
-        obj.data.shape_keys.spectral_tv.bands.clear()
-        obj.data.shape_keys.spectral_tv.identifier = identifier
+        mesh.shape_keys.spectral_tv.bands.clear()
+        mesh.shape_keys.spectral_tv.spectrum.clear()
+        mesh.shape_keys.spectral_tv.identifier = identifier
 
     @staticmethod
-    def is_marked(obj: bpy.types.Object, identifier: str) -> bool:
+    def is_marked(mesh: bpy.types.Mesh, identifier: str) -> bool:
         """Whether the block is there, and no other one."""
-        keys = obj.data.shape_keys
+        keys = mesh.shape_keys
         return keys is not None and keys.spectral_tv.identifier == identifier
 
 

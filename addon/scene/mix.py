@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .coordinates import basis_coordinates, coordinates
+from .coordinates import basis_coordinates, points
 from .weights import weights_of
 
 
@@ -25,8 +25,7 @@ class Part:
 
 def key_displacement(key: bpy.types.ShapeKey) -> np.ndarray:
     """How far a key at 1 moves the vertices: from the key that it is relative to, (V, 3)."""
-    there, here = (coordinates(data) for data in (key.data, key.relative_key.data))
-    return there.reshape(-1, 3).astype(np.float64) - here.reshape(-1, 3)
+    return points(key.data) - points(key.relative_key.data)
 
 
 def mask(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:

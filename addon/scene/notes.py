@@ -32,10 +32,13 @@ def listed(names: Iterable[str]) -> str:
 @contextmanager
 def about(name: str) -> Iterator[None]:
     """Say in all notes meanwhile which of several objects they are about."""
-    with gathered() as found:
-        yield
-    for text in found:
-        note(f"{name}: {text}")
+    found: list[str] = []
+    try:
+        with gathered() as found:
+            yield
+    finally:
+        for text in found:
+            note(f"{name}: {text}")
 
 
 @contextmanager

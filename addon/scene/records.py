@@ -61,7 +61,7 @@ def record_of(obj: bpy.types.Object | None) -> SpectralTVRecord | None:
         return None
     record = obj.data.spectral_tv.decomposition
     if record.bands:
-        return record if keeping_of(record).is_marked(obj, record.identifier) else None
+        return record if keeping_of(record).is_marked(obj.data, record.identifier) else None
     keys = obj.data.shape_keys
     if keys is not None and keys.spectral_tv.bands:  # of 0.1.0
         return keys.spectral_tv
@@ -77,10 +77,21 @@ def new_identity(obj: bpy.types.Object, record: SpectralTVRecord) -> None:
     """Have a record be of no flow so far, and of the vertices and faces that there are."""
     record.identifier = uuid.uuid4().hex
     if record.id_data == obj.data:
-        keeping_of(record).mark(obj, record.identifier)
+        keeping_of(record).mark(obj.data, record.identifier)
     record.topology = topology_digest(obj.data)
     record.vertex_count = len(obj.data.vertices)
     record.corner_count = len(obj.data.loops)
+
+
+def forget_stale(*_arguments: object) -> None:
+    """Clear the records of bands that were all removed, which Blender tells nobody."""
+    for mesh in bpy.data.meshes:
+        if mesh.library is None and mesh.is_property_set("spectral_tv"):
+            record = mesh.spectral_tv.decomposition
+            if record.bands and not keeping_of(record).is_marked(mesh, record.identifier):
+                record.bands.clear()
+                record.spectrum.clear()
+                mesh.update_tag()
 
 
 def bands_of(obj: bpy.types.Object) -> list[Band | None]:

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from .channels import remove_channels
-from .coordinates import basis_coordinates, coordinates
+from .coordinates import basis_coordinates, points
 from .mix import key_displacement
 from .names import free_name, taken_names
 from .whole import whole
@@ -17,7 +17,7 @@ SLIDER_RANGE = (-10.0, 10.0)
 
 def key_shape(key: bpy.types.ShapeKey) -> np.ndarray:
     """The shape that is seen with that key alone, at value 1, (V, 3) in object space."""
-    return _coordinates(key.id_data.reference_key) + key_displacement(key)
+    return points(key.id_data.reference_key.data) + key_displacement(key)
 
 
 def add_displacements(
@@ -52,8 +52,8 @@ def set_displacement(
     """
     if key.relative_key in (None, key):
         key.relative_key = key.id_data.reference_key
-    before = _coordinates(key)
-    after = _coordinates(key.relative_key) + displacement
+    before = points(key.data)
+    after = points(key.relative_key.data) + displacement
     _set_coordinates(key, after)
     _shift_relatives(key, after - before)
     obj.data.update_tag()
@@ -65,11 +65,11 @@ def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
     Keys that are relative to it are made relative to Basis, and move the vertices as before.
     """
     keys = key.id_data
-    basis = _coordinates(keys.reference_key)
+    basis = points(keys.reference_key.data)
     for other in keys.key_blocks:
         if other != key and other.relative_key == key:
             moved = key_displacement(other)
-            shift = basis + moved - _coordinates(other)
+            shift = basis + moved - points(other.data)
             _set_coordinates(other, basis + moved)
             other.relative_key = keys.reference_key
             _shift_relatives(other, shift)
@@ -97,13 +97,9 @@ def _shift_relatives(key: bpy.types.ShapeKey, shift: np.ndarray) -> None:
         reference = pending.pop()
         for other in key.id_data.key_blocks:
             if other.name not in moved and other.relative_key == reference:
-                _set_coordinates(other, _coordinates(other) + shift)
+                _set_coordinates(other, points(other.data) + shift)
                 moved.add(other.name)
                 pending.append(other)
-
-
-def _coordinates(key: bpy.types.ShapeKey) -> np.ndarray:
-    return coordinates(key.data).reshape(-1, 3).astype(np.float64)
 
 
 def _set_coordinates(key: bpy.types.ShapeKey, coordinates: np.ndarray) -> None:

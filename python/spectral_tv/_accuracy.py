@@ -8,10 +8,10 @@ from spectral_tv import _native
 from spectral_tv._native import Job, Mesh
 from spectral_tv._options import Progress, ShapeOptions, Stepped
 from spectral_tv._results import Accuracy
-from spectral_tv._signatures import spelled
+from spectral_tv._work import starting, waiting
 
 
-@spelled
+@waiting
 def accuracy(
     mesh: Mesh,
     method: Stepped = "m1",
@@ -22,7 +22,7 @@ def accuracy(
     scales: tuple[float, float] | None = None,
     refinement: int = 8,
     **options: Unpack[ShapeOptions],
-) -> Accuracy:
+) -> Job[Accuracy]:
     """Measure how the errors of a decomposition fall with the number of steps: of the all-pass
     filter, as in the paper's figure of the reconstruction error, and of the bands against a
     refined flow.
@@ -56,24 +56,8 @@ def accuracy(
     MeshError
         If an argument is of the wrong shape or out of range, or the method takes no time steps.
     """
-    job = start_accuracy(
-        mesh, method, steps, bands, scales=scales, refinement=refinement, **options
-    )
-    found: Accuracy = job._wait(progress)
-    return found
-
-
-@spelled
-def start_accuracy(
-    mesh: Mesh,
-    method: Stepped = "m1",
-    steps: ArrayLike = (8, 16, 32),
-    bands: int = 5,
-    *,
-    scales: tuple[float, float] | None = None,
-    refinement: int = 8,
-    **options: Unpack[ShapeOptions],
-) -> Job:
-    """Start `accuracy` in a thread of its own and return the `Job` at once."""
     asked = {"method": method, **options}
     return _native.start_accuracy(mesh, steps, bands, scales, refinement, asked)
+
+
+start_accuracy = starting(accuracy)

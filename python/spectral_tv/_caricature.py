@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from spectral_tv import _native
 from spectral_tv._native import Job, Mesh
-from spectral_tv._options import DEFAULTS, Method, Progress
+from spectral_tv._options import STEPS, Method, Progress
+from spectral_tv._work import starting, waiting
 
-STEPS: int = DEFAULTS["steps"]
 
-
+@waiting
 def caricature(
     meshes: Sequence[Mesh],
     band: tuple[float, float],
@@ -20,7 +20,7 @@ def caricature(
     method: Method = "m3",
     steps: int = STEPS,
     progress: Progress | None = None,
-) -> list[NDArray[np.float64]]:
+) -> Job[list[NDArray[np.float64]]]:
     """Exaggerate one band of several shapes alike, and smooth away what is finest (Brokman et al.
     2024, the figures of the armadillo).
 
@@ -54,18 +54,7 @@ def caricature(
     MeshError
         If an argument is out of range.
     """
-    job = start_caricature(meshes, band, gain, smooth, method, steps)
-    shapes: list[NDArray[np.float64]] = job._wait(progress)
-    return shapes
-
-
-def start_caricature(
-    meshes: Sequence[Mesh],
-    band: tuple[float, float],
-    gain: float = 2.0,
-    smooth: float = 0.0,
-    method: Method = "m3",
-    steps: int = STEPS,
-) -> Job:
-    """Start `caricature` in a thread of its own and return the `Job` at once."""
     return _native.start_caricature(meshes, band, gain, smooth, {"method": method, "steps": steps})
+
+
+start_caricature = starting(caricature)

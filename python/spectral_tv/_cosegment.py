@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 from spectral_tv import _native
 from spectral_tv._native import Decomposition, Job
 from spectral_tv._options import Progress
+from spectral_tv._work import starting, waiting
 
 
+@waiting
 def cosegment(
     decompositions: Sequence[Decomposition],
     segments: int = 6,
     seed: int = 0,
     progress: Progress | None = None,
-) -> list[NDArray[np.int64]]:
+) -> Job[list[NDArray[np.int64]]]:
     """Label the parts of one shape in several poses, or of several shapes, alike.
 
     K-means of the vertices' spectra under the earth mover's distance, over all shapes together
@@ -42,14 +44,7 @@ def cosegment(
     MeshError
         If there are no decompositions, or segments is 0 or larger than the number of vertices.
     """
-    labels: list[NDArray[np.int64]] = start_cosegment(decompositions, segments, seed)._wait(
-        progress
-    )
-    return labels
-
-
-def start_cosegment(
-    decompositions: Sequence[Decomposition], segments: int = 6, seed: int = 0
-) -> Job:
-    """Start `cosegment` in a thread of its own and return the `Job` at once."""
     return _native.start_cosegment(decompositions, segments, seed)
+
+
+start_cosegment = starting(cosegment)

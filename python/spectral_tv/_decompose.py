@@ -7,14 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_tv import _native
 from spectral_tv._native import Decomposition, Job, Mesh
-from spectral_tv._options import DEFAULTS, DecomposeOptions, Method, Progress
+from spectral_tv._options import DEFAULTS, STEPS, DecomposeOptions, Method, Progress
 from spectral_tv._results import Estimate
-from spectral_tv._signatures import spelled
-
-STEPS: int = DEFAULTS["steps"]
+from spectral_tv._work import spelled, starting, waiting
 
 
-@spelled
+@waiting
 def decompose(
     mesh: Mesh,
     method: Method = "m1",
@@ -22,7 +20,7 @@ def decompose(
     steps: int = STEPS,
     progress: Progress | None = None,
     **options: Unpack[DecomposeOptions],
-) -> Decomposition:
+) -> Job[Decomposition]:
     """Split the shape of a mesh into scales.
 
     Parameters
@@ -83,22 +81,11 @@ def decompose(
     MemoryError
         If the work takes more than is available, before it starts.
     """
-    job = start_decompose(mesh, method, times, steps, **options)
-    split: Decomposition = job._wait(progress)
-    return split
-
-
-@spelled
-def start_decompose(
-    mesh: Mesh,
-    method: Method = "m1",
-    times: ArrayLike | None = None,
-    steps: int = STEPS,
-    **options: Unpack[DecomposeOptions],
-) -> Job:
-    """Start `decompose` in a thread of its own and return the `Job` at once."""
     asked = {"method": method, "times": times, "steps": steps, **options}
     return _native.start_decompose(mesh, asked)
+
+
+start_decompose = starting(decompose)
 
 
 @spelled

@@ -8,10 +8,12 @@ from spectral_tv import _native
 from spectral_tv._native import Job, Mesh
 from spectral_tv._options import Progress
 from spectral_tv._results import Deformation
+from spectral_tv._work import starting, waiting
 
 Algorithm = Literal["convex", "paper", "harmonic", "biharmonic", "arap"]
 
 
+@waiting
 def deform(
     mesh: Mesh,
     indices: ArrayLike,
@@ -21,7 +23,7 @@ def deform(
     tolerance: float = 1e-3,
     algorithm: Algorithm = "convex",
     progress: Progress | None = None,
-) -> Deformation:
+) -> Job[Deformation]:
     """Move some vertices of a mesh, and have the surface follow in rigid pieces, the stretch going
     to its bottlenecks: the displacement of least total variation (Brokman et al. 2024, section
     "Shape Deformation").
@@ -58,19 +60,7 @@ def deform(
     MemoryError
         If the work takes more than is available, before it starts.
     """
-    job = start_deform(mesh, indices, targets, weights, softness, tolerance, algorithm)
-    bent: Deformation = job._wait(progress)
-    return bent
-
-
-def start_deform(
-    mesh: Mesh,
-    indices: ArrayLike,
-    targets: ArrayLike,
-    weights: ArrayLike | None = None,
-    softness: float = 0.0,
-    tolerance: float = 1e-3,
-    algorithm: Algorithm = "convex",
-) -> Job:
-    """Start `deform` in a thread of its own and return the `Job` at once."""
     return _native.start_deform(mesh, indices, targets, weights, softness, tolerance, algorithm)
+
+
+start_deform = starting(deform)

@@ -7,9 +7,13 @@ from spectral_tv import _native
 from spectral_tv._native import Job, Mesh
 from spectral_tv._options import Progress
 from spectral_tv._results import EigensetTest
+from spectral_tv._work import starting, waiting
 
 
-def eigenset_test(mesh: Mesh, members: ArrayLike, progress: Progress | None = None) -> EigensetTest:
+@waiting
+def eigenset_test(
+    mesh: Mesh, members: ArrayLike, progress: Progress | None = None
+) -> Job[EigensetTest]:
     """Test whether a set of vertices is an eigenset of NETV.
 
     That is a set whose indicator, up to a constant, is an eigenfunction, which fades in a straight
@@ -39,18 +43,16 @@ def eigenset_test(mesh: Mesh, members: ArrayLike, progress: Progress | None = No
     MeshError
         If the members are not of this mesh, or name one vertex twice, or the set has no boundary.
     """
-    test: EigensetTest = start_eigenset_test(mesh, members)._wait(progress)
-    return test
-
-
-def start_eigenset_test(mesh: Mesh, members: ArrayLike) -> Job:
-    """Start `eigenset_test` in a thread of its own and return the `Job` at once."""
     return _native.start_eigenset_test(mesh, members)
 
 
+start_eigenset_test = starting(eigenset_test)
+
+
+@waiting
 def eigenpairs(
     mesh: Mesh, count: int, progress: Progress | None = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> Job[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """The lowest eigenpairs of the Laplace–Beltrami operator, L u = λ M u with linear elements and
     lumped masses, by block Lanczos iteration on the inverse.
 
@@ -78,5 +80,4 @@ def eigenpairs(
     MemoryError
         If the work takes more than is available, before it starts.
     """
-    values, functions = _native.start_eigenpairs(mesh, count)._wait(progress)
-    return values, functions
+    return _native.start_eigenpairs(mesh, count)

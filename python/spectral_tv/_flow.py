@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_tv import _native
 from spectral_tv._native import Flow, Job, Mesh
 from spectral_tv._options import DEFAULTS, Progress, Solver, StepOptions
-from spectral_tv._signatures import spelled
+from spectral_tv._work import starting, waiting
 
 Operator = Literal["tv", "heat"]
 
 
-@spelled
+@waiting
 def flow(
     mesh: Mesh,
     values: ArrayLike,
@@ -22,7 +22,7 @@ def flow(
     exact: bool = False,
     progress: Progress | None = None,
     **options: Unpack[StepOptions],
-) -> Flow:
+) -> Job[Flow]:
     """Flow a function on the mesh, in the metric of the mesh.
 
     Parameters
@@ -59,25 +59,15 @@ def flow(
     MemoryError
         If the work takes more than is available, before it starts.
     """
-    found: Flow = start_flow(mesh, values, times, operator, exact, **options)._wait(progress)
-    return found
-
-
-@spelled
-def start_flow(
-    mesh: Mesh,
-    values: ArrayLike,
-    times: ArrayLike,
-    operator: Operator = "tv",
-    exact: bool = False,
-    **options: Unpack[StepOptions],
-) -> Job:
-    """Start `flow` in a thread of its own and return the `Job` at once."""
     if exact:
         options["scheme"] = "exact"
     return _native.start_flow(mesh, values, times, operator, options)
 
 
+start_flow = starting(flow)
+
+
+@waiting
 def conformal_flow(
     mesh: Mesh,
     time: float,
@@ -85,7 +75,7 @@ def conformal_flow(
     progress: Progress | None = None,
     *,
     solver: Solver = DEFAULTS["solver"],
-) -> NDArray[np.float64]:
+) -> Job[NDArray[np.float64]]:
     """Conformalized mean curvature flow (Kazhdan, Solomon and Ben-Chen 2012), neither rescaled nor
     recentred: the smooth base that M3 uses.
 
@@ -111,7 +101,4 @@ def conformal_flow(
     MeshError
         If time or steps are not positive.
     """
-    shape: NDArray[np.float64] = _native.start_conformal_flow(mesh, time, steps, solver)._wait(
-        progress
-    )
-    return shape
+    return _native.start_conformal_flow(mesh, time, steps, solver)

@@ -6,14 +6,13 @@ from numpy.typing import ArrayLike
 
 from spectral_tv import _native
 from spectral_tv._native import Flow, Job
-from spectral_tv._options import DEFAULTS, Progress, StepOptions
-from spectral_tv._signatures import spelled
+from spectral_tv._options import STEPS, Progress, StepOptions
+from spectral_tv._work import starting, waiting
 
 Metric = Literal["flat", "surface"]
-STEPS: int = DEFAULTS["steps"]
 
 
-@spelled
+@waiting
 def decompose_image(
     image: ArrayLike,
     metric: Metric = "flat",
@@ -23,7 +22,7 @@ def decompose_image(
     *,
     height: float = 32.0,
     **options: Unpack[StepOptions],
-) -> Flow:
+) -> Job[Flow]:
     """Split an image into bands by spectral TV, its channels together.
 
     Each pixel cell counts as the mean over its four corners of √(dx² + dy²), so that turning or
@@ -49,12 +48,8 @@ def decompose_image(
         Called with the fraction done; an exception it raises ends the work.
     height : float
         How high the graph of "surface" is from the least to the greatest value, in pixels.
-    scheme : {"extrapolated", "lagged", "exact"}
-        How steps take their weights; see `flow`.
-    tolerance : float
-        Relative duality gap of exact steps, in (0, 1).
-    solver : {"auto", "cholesky", "multigrid"}
-        How the linear systems of steps are solved; see `decompose`.
+    scheme, tolerance, solver
+        As `flow` takes them, and "exact".
 
     Returns
     -------
@@ -69,20 +64,7 @@ def decompose_image(
     MemoryError
         If the work takes more than is available, before it starts.
     """
-    job = start_decompose_image(image, metric, times, steps, height=height, **options)
-    found: Flow = job._wait(progress)
-    return found
-
-
-@spelled
-def start_decompose_image(
-    image: ArrayLike,
-    metric: Metric = "flat",
-    times: ArrayLike | None = None,
-    steps: int = STEPS,
-    *,
-    height: float = 32.0,
-    **options: Unpack[StepOptions],
-) -> Job:
-    """Start `decompose_image` in a thread of its own and return the `Job` at once."""
     return _native.start_decompose_image(image, metric, times, steps, height, options)
+
+
+start_decompose_image = starting(decompose_image)

@@ -65,6 +65,7 @@ class MethodFacts:
 _defaults, _methods = _native._facts()
 #: The default of each option of `decompose`, by its name.
 DEFAULTS: Mapping[str, Any] = MappingProxyType(_defaults)
+STEPS: int = DEFAULTS["steps"]
 #: The facts of each method, by its name.
 METHODS: Mapping[str, MethodFacts] = MappingProxyType(
     {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from ball import object_of
 from shapes import dumbbell
 
 
@@ -55,11 +56,7 @@ def members(obj, name: str) -> np.ndarray:
 def dumbbell_object() -> bpy.types.Object:
     """A dumbbell whose lower ball is pinned and whose upper ball's top follows an empty."""
     vertices, faces = dumbbell(n_around=24, n_along=60)
-    mesh = bpy.data.meshes.new("Dumbbell")
-    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new("Dumbbell", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Dumbbell", vertices, faces)
     obj.select_set(True)
     group(obj, "Feet", np.flatnonzero(vertices[:, 2] < -0.9))
     group(obj, "Head", np.flatnonzero(vertices[:, 2] > 1.8))

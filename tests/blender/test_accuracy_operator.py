@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from ball import object_of
 from shapes import grid
 
 SCALARS = [
@@ -116,11 +117,7 @@ def test_what_is_measured_is_what_the_bands_were_made_by():
     """Whatever the sidebar says now."""
     vertices, faces = grid(16, 16, 2.0, 2.0)
     vertices[:, 2] = 0.6 * (np.hypot(*(vertices[:, :2] - 1).T) < 0.5)
-    mesh = bpy.data.meshes.new("Relief")
-    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new("Relief", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Relief", vertices, faces)
     with pytest.raises(RuntimeError, match="it has no bands"):
         bpy.ops.spectral_tv.measure_accuracy(of_bands=True)
     obj.vertex_groups.new(name="Some").add([1, 2], 1, "REPLACE")

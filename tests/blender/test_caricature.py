@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from ball import object_of
 from conftest import MODULE
 from shapes import bumpy_sphere
 
@@ -16,10 +17,7 @@ VERTICES, FACES = bumpy_sphere(3, amplitude=0.2)
 
 
 def pose(name: str, vertices: np.ndarray) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(vertices.tolist(), [], FACES.tolist())
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = object_of(name, vertices, FACES)
     obj.select_set(True)
     bpy.context.view_layer.objects.active = obj
     return obj

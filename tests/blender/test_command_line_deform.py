@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from ball import object_of
 from command_line_files import empty, load, meshes, run, write_scene
 from mathutils import Euler, Matrix, Vector
 from shapes import dumbbell
@@ -65,11 +66,7 @@ def assert_all(values: np.ndarray, expected, tolerance: float = 1e-5) -> None:
 def add_dumbbell(name: str = "Dumbbell") -> bpy.types.Object:
     """Two balls on a neck along z; the groups Feet and Head are their ends."""
     vertices, faces = dumbbell(n_around=24, n_along=60)
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of(name, vertices, faces)
     for group, members in (("Feet", vertices[:, 2] < -1.8), ("Head", vertices[:, 2] > 1.8)):
         obj.vertex_groups.new(name=group).add(np.flatnonzero(members).tolist(), 1.0, "REPLACE")
     return obj

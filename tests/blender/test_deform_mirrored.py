@@ -7,16 +7,13 @@ import math
 import bpy
 import numpy as np
 import pytest
+from ball import object_of
 from deform_scene import constrain, empty, evaluated, group, handle, key_positions, members
 from shapes import dumbbell
 
 
 def mesh_object(vertices, faces) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new("Mesh")
-    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new("Mesh", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Mesh", vertices, faces)
     return obj
 
 

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from ball import object_of
 from conftest import MODULE
 from shapes import dumbbell
 
@@ -16,11 +17,7 @@ VERTICES, FACES = dumbbell(n_around=32, n_along=64)
 
 @pytest.fixture
 def obj():
-    mesh = bpy.data.meshes.new("Dumbbell")
-    mesh.from_pydata(VERTICES.tolist(), [], FACES.tolist())
-    obj = bpy.data.objects.new("Dumbbell", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Dumbbell", VERTICES, FACES)
     for name, height in (("Half", 0), ("Ball", 0.9)):
         members = np.flatnonzero(VERTICES[:, 2] > height).tolist()
         obj.vertex_groups.new(name=name).add(members, 1, "REPLACE")

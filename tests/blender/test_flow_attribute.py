@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from ball import object_of
 from shapes import icosphere
 
 VERTICES, FACES = icosphere(4)
@@ -13,11 +14,7 @@ flow = bpy.ops.spectral_tv.flow_attribute
 
 
 def link(vertices, faces):
-    mesh = bpy.data.meshes.new("Sphere")
-    mesh.from_pydata(np.asarray(vertices).tolist(), [], np.asarray(faces).tolist())
-    obj = bpy.data.objects.new("Sphere", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Sphere", np.asarray(vertices), np.asarray(faces))
     return obj
 
 

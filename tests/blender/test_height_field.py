@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from ball import object_of
 from command_line_files import load, run
 from shapes import grid
 
@@ -19,11 +20,7 @@ def relief():
     vertices, triangles = grid(SIDE, SIDE, 2.0, 2.0)
     block = np.abs(vertices[:, :2] - 1).max(axis=1) < 0.4
     vertices[block, 2] = 0.3
-    mesh = bpy.data.meshes.new("Relief")
-    mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
-    obj = bpy.data.objects.new("Relief", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Relief", vertices, triangles)
     return obj
 
 

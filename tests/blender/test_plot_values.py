@@ -7,6 +7,7 @@ import csv
 import bpy
 import numpy as np
 import pytest
+from ball import object_of
 from shapes import icosphere
 
 VERTICES, FACES = icosphere(4)
@@ -16,11 +17,7 @@ plot = bpy.ops.spectral_tv.plot_values
 @pytest.fixture
 def sphere():
     """A unit sphere with the groups Cap, and Rest for all others."""
-    mesh = bpy.data.meshes.new("Sphere")
-    mesh.from_pydata(VERTICES.tolist(), [], FACES.tolist())
-    obj = bpy.data.objects.new("Sphere", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Sphere", VERTICES, FACES)
     cap = VERTICES[:, 2] > np.cos(1.0)
     for name, members in (("Cap", cap), ("Rest", ~cap)):
         obj.vertex_groups.new(name=name).add(np.flatnonzero(members).tolist(), 1, "REPLACE")

@@ -8,6 +8,7 @@ from importlib import import_module
 import bpy
 import numpy as np
 import pytest
+from ball import object_of
 from conftest import MODULE
 from shapes import bumpy_sphere
 
@@ -39,10 +40,7 @@ def cut(obj, bands: int) -> dict[str, bpy.types.ShapeKey]:
 def banded():
     """A bumpy ball with six bands, of two components each."""
     vertices, faces = bumpy_sphere(3, amplitude=0.3)
-    mesh = bpy.data.meshes.new("Ball")
-    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new("Ball", mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = object_of("Ball", vertices, faces)
     obj.vertex_groups.new(name="Cap").add(np.flatnonzero(vertices[:, 2] > 0.5).tolist(), 1, "ADD")
     bpy.context.view_layer.objects.active = obj
     bpy.ops.spectral_tv.decompose(bands=6, steps=STEPS)

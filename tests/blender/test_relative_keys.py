@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from ball import object_of
 from shapes import bumpy_sphere
 
 VERTICES, FACES = bumpy_sphere(3, amplitude=0.2)
@@ -38,11 +39,7 @@ def add_key(obj, name: str, shape: np.ndarray, relative: str = "Basis") -> bpy.t
 @pytest.fixture
 def body():
     """Keys Wide, Lift relative to Wide, Turn relative to Lift; and what Lift does, from Basis."""
-    mesh = bpy.data.meshes.new("Body")
-    mesh.from_pydata(VERTICES.tolist(), [], FACES.tolist())
-    obj = bpy.data.objects.new("Body", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Body", VERTICES, FACES)
     obj.shape_key_add(name="Basis")
     wide = VERTICES * [2, 2, 1]
     lift = wide + CAP[:, np.newaxis] * [0, 0, 0.5]

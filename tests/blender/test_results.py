@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from ball import object_of
 from conftest import MODULE
 from contents import contents, differences
 from shapes import icosphere
@@ -22,11 +23,8 @@ FEW = {"steps": 4}
 @pytest.fixture
 def sphere():
     """A unit sphere with a vertex group, a float attribute and a shape key, each of its cap."""
-    mesh = bpy.data.meshes.new("Sphere")
-    mesh.from_pydata(VERTICES.tolist(), [], FACES.tolist())
-    obj = bpy.data.objects.new("Sphere", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = object_of("Sphere", VERTICES, FACES)
+    mesh = obj.data
     obj.vertex_groups.new(name="Cap").add(np.flatnonzero(CAP).tolist(), 1, "REPLACE")
     mesh.attributes.new("Mask", "FLOAT", "POINT").data.foreach_set("value", CAP.astype(np.float32))
     obj.shape_key_add(name="Basis")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import spectral_tv
+from own_process import output
 from shapes import icosphere
 
 TESTS = Path(__file__).resolve().parents[1]
@@ -34,10 +34,7 @@ def surface(side):
 
 def run(code: str) -> str:
     """The output of a process of its own, whose peak is not this one's."""
-    command = [sys.executable, "-c", START + code]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return output(START + code, timeout=600)
 
 
 @LINUX

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 from pathlib import Path
+from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -71,8 +72,11 @@ def annotated():
     for name in spectral_tv.__all__:
         function = getattr(spectral_tv, name)
         if inspect.isfunction(function):
-            for parameter in inspect.signature(function).parameters.values():
-                yield name, parameter.name, inspect.formatannotation(parameter.annotation)
+            hints = get_type_hints(inspect.unwrap(function))
+            for options in getattr(hints.pop("options", None), "__args__", ()):
+                hints |= get_type_hints(options)
+            for argument in inspect.signature(function).parameters:
+                yield name, argument, inspect.formatannotation(hints[argument])
 
 
 def number_arguments():

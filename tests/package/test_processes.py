@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import subprocess
 import sys
 import threading
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 import pool_work
 import pytest
 import spectral_tv
+from own_process import output
 from shapes import icosphere
 
 TESTS = Path(__file__).resolve().parents[1]
@@ -50,10 +50,7 @@ def refused(call, text):
 
 def run(code: str) -> str:
     """The output of a process of its own, which ends even where it would hang."""
-    command = [sys.executable, "-c", START + code]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return output(START + code, timeout=300)
 
 
 @FORKS

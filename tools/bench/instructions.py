@@ -58,7 +58,8 @@ def main() -> None:
 
 def built() -> Path:
     """Build the works, and return the program."""
-    command = ["cargo", "bench", "--package", "spectral-tv", "--bench", "works", "--no-run"]
+    command = ["cargo", "bench", "--package", "spectral-tv", "--features", "internals"]
+    command += ["--bench", "works", "--no-run"]
     done = subprocess.run(
         [*command, "--message-format", "json"], stdout=subprocess.PIPE, text=True, check=True
     )

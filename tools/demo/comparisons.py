@@ -9,14 +9,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import bpy
 import numpy as np
 import spectral_tv
 from PIL import Image
 
 from .contact_sheet import PAPER
 from .methods import CHEST
-from .shapes import coordinates
+from .shapes import opened
 from .studio import Studio, temporary_data
 
 SIDE = 300
@@ -28,11 +27,7 @@ HALVINGS = 30
 
 def main(blend: Path, path: Path) -> None:
     """Render two rows: low-passes by M3, heat, eigenfunctions; before, M3, displacement."""
-    bpy.ops.wm.open_mainfile(filepath=str(blend.resolve()))
-    obj = next(obj for obj in bpy.data.objects if obj.type == "MESH")
-    basis = coordinates(obj, "Basis")
-    obj.data.calc_loop_triangles()
-    mesh = spectral_tv.Mesh(basis, [list(each.vertices) for each in obj.data.loop_triangles])
+    obj, basis, mesh = opened(blend)
     m3, displacement = (spectral_tv.decompose(mesh, method) for method in ("m3", "displacement"))
     rows = [
         smoothed(mesh, by_bands(m3, SMOOTHED)),

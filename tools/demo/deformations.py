@@ -8,13 +8,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import bpy
 import numpy as np
 import spectral_tv
 from PIL import Image
 
 from .contact_sheet import render
-from .shapes import coordinates
+from .shapes import opened
 
 CELL = 200
 PULL = np.array([0.45, -0.1, 0.25])
@@ -30,11 +29,7 @@ FOLLOWED = (
 
 def main(blend: Path, path: Path) -> None:
     """Render the creature, and each way in which it follows."""
-    bpy.ops.wm.open_mainfile(filepath=str(blend.resolve()))
-    obj = next(obj for obj in bpy.data.objects if obj.type == "MESH")
-    basis = coordinates(obj, "Basis")
-    obj.data.calc_loop_triangles()
-    mesh = spectral_tv.Mesh(basis, [list(each.vertices) for each in obj.data.loop_triangles])
+    obj, basis, mesh = opened(blend)
     height = basis[:, 2]
     feet, crown = np.flatnonzero(height < 0.08), np.flatnonzero(height > 1.72)
     indices = np.r_[feet, crown]

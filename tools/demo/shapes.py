@@ -2,8 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
+import spectral_tv
+
+
+def opened(blend: Path) -> tuple[bpy.types.Object, np.ndarray, spectral_tv.Mesh]:
+    """The mesh object in a file, its vertices without shape keys, (V, 3), and its surface."""
+    bpy.ops.wm.open_mainfile(filepath=str(blend.resolve()))
+    obj = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    basis = coordinates(obj, "Basis")
+    obj.data.calc_loop_triangles()
+    triangles = [list(each.vertices) for each in obj.data.loop_triangles]
+    return obj, basis, spectral_tv.Mesh(basis, triangles)
 
 
 def coordinates(obj: bpy.types.Object, key: str) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -101,7 +101,9 @@ class Studio:
             RGBA, transparent around the mesh.
         """
         self._mesh.vertices.foreach_set("co", np.ravel(vertices).astype(np.float32))
-        self._mesh.materials[0] = _clay() if colors is None else _painted()
+        self._mesh.materials[0] = (
+            _matte(CLAY_NAME, _clay) if colors is None else _matte(PAINT, _painted)
+        )
         if colors is not None:
             rgba = np.column_stack([colors, np.ones(len(colors))]).astype(np.float32)
             self._paint.data.foreach_set("color", rgba.ravel())
@@ -226,41 +228,38 @@ def _bare_copy(mesh: bpy.types.Mesh) -> bpy.types.Mesh:
     return copy
 
 
-def _clay() -> bpy.types.Material:
+def _clay(material: bpy.types.Material, shader: bpy.types.ShaderNode) -> None:
     """Matte clay, a little darker in creases so that relief reads at a small size."""
-    material = bpy.data.materials.get(CLAY_NAME)
-    if material is not None:
-        return material
-    material, shader = _matte(CLAY_NAME)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     ramp = nodes.new("ShaderNodeValToRGB")
     _shade(ramp.color_ramp.elements, ((0.42, 0.55), (0.58, 1.18)))
     links.new(nodes.new("ShaderNodeNewGeometry").outputs["Pointiness"], ramp.inputs["Fac"])
     links.new(ramp.outputs["Color"], shader.inputs["Base Color"])
-    return material
 
 
-def _painted() -> bpy.types.Material:
+def _painted(material: bpy.types.Material, shader: bpy.types.ShaderNode) -> None:
     """The same surface in the colors of the vertices."""
-    material = bpy.data.materials.get(PAINT)
-    if material is not None:
-        return material
-    material, shader = _matte(PAINT)
     paint = material.node_tree.nodes.new("ShaderNodeVertexColor")
     paint.layer_name = PAINT
     for name in ("Base Color", "Emission Color"):  # shades are not to be taken for values
         material.node_tree.links.new(paint.outputs["Color"], shader.inputs[name])
     shader.inputs["Emission Strength"].default_value = GLOW
     shader.inputs["Specular IOR Level"].default_value = 0
-    return material
 
 
-def _matte(name: str) -> tuple[bpy.types.Material, bpy.types.ShaderNode]:
+def _matte(
+    name: str, finish: Callable[[bpy.types.Material, bpy.types.ShaderNode], None]
+) -> bpy.types.Material:
+    """The matte material of a name, made if it is not there."""
+    material = bpy.data.materials.get(name)
+    if material is not None:
+        return material
     material = bpy.data.materials.new(name)
     shader = material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Roughness"].default_value = 0.62
     shader.inputs["Specular IOR Level"].default_value = 0.3
-    return material, shader
+    finish(material, shader)
+    return material
 
 
 def _shade(stops: Iterable, levels: Iterable[tuple[float, float]]) -> None:

@@ -8,6 +8,7 @@ use std::{mem, process, thread};
 
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use spectral_tv::Error;
 use spectral_tv::monitor::{Monitor, Stage};
 use spectral_tv_system::give_back;
@@ -341,6 +342,16 @@ impl Job {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> Result<Py<PyAny>, Failure> {
         Ok(self.task.wait(py, progress)?(py)?)
+    }
+
+    /// `Job[T]`, for annotations: the type of the result.
+    #[classmethod]
+    fn __class_getitem__(
+        class: &Bound<'_, PyType>,
+        item: &Bound<'_, PyAny>,
+    ) -> PyResult<Py<PyAny>> {
+        let alias = class.py().import("types")?.getattr("GenericAlias")?;
+        Ok(alias.call1((class, item))?.unbind())
     }
 
     fn __reduce__(&self) -> PyResult<()> {

@@ -8,6 +8,7 @@ use crate::error::{ArgumentError, Error, Result, unusable_values};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
+pub use crate::operators::positions;
 use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern, invertible_masses};
 use crate::solver::{Cholesky, Demand, LinearSolver, Solver, Symbolic};
 
@@ -61,7 +62,7 @@ impl Discretization {
     }
 
     /// The pattern of weighted Laplacians.
-    pub fn pattern(&self) -> &LaplacianPattern {
+    pub(crate) fn pattern(&self) -> &LaplacianPattern {
         &self.pattern
     }
 
@@ -69,7 +70,7 @@ impl Discretization {
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    pub fn prepare_edges(&self, stage: Stage) -> Result<()> {
+    pub(crate) fn prepare_edges(&self, stage: Stage) -> Result<()> {
         if self.edges.get().is_none() {
             let edges = EdgeLaplacian::new(&self.gradient, &self.pattern, stage)?;
             // Whoever was faster has made the same.
@@ -82,7 +83,7 @@ impl Discretization {
     ///
     /// # Panics
     /// Without [`Self::prepare_edges`].
-    pub fn edges(&self) -> &EdgeLaplacian {
+    pub(crate) fn edges(&self) -> &EdgeLaplacian {
         self.edges.get().expect("prepared before")
     }
 
@@ -90,7 +91,12 @@ impl Discretization {
     ///
     /// # Errors
     /// As [`LinearSolver::new`].
-    pub fn solver(&self, choice: Solver, demand: Demand, stage: Stage) -> Result<LinearSolver> {
+    pub(crate) fn solver(
+        &self,
+        choice: Solver,
+        demand: Demand,
+        stage: Stage,
+    ) -> Result<LinearSolver> {
         LinearSolver::new(self.pattern.zeros(), &self.symbolic, choice, demand, stage)
     }
 
@@ -98,7 +104,7 @@ impl Discretization {
     ///
     /// # Errors
     /// As [`Solver::chosen`].
-    pub fn chosen(&self, choice: Solver, demand: Demand) -> Result<Solver> {
+    pub(crate) fn chosen(&self, choice: Solver, demand: Demand) -> Result<Solver> {
         choice.chosen(&self.pattern.zeros(), &self.symbolic, demand)
     }
 
@@ -106,7 +112,7 @@ impl Discretization {
     ///
     /// # Errors
     /// As [`Cholesky::new`].
-    pub fn cholesky(&self, stage: Stage) -> Result<Cholesky> {
+    pub(crate) fn cholesky(&self, stage: Stage) -> Result<Cholesky> {
         Cholesky::new(&self.pattern.zeros(), &self.symbolic, stage)
     }
 

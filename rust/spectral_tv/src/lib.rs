@@ -1,35 +1,38 @@
-//! Spectral total-variation processing of triangle meshes.
-//!
-//! The methods of Brokman, Burger and Gilboa 2024, "Spectral Total-Variation Processing of
-//! Shapes – Theory and Applications": zero-homogeneous flows on a mesh, their spectral
-//! transform, and filters made of it. Data flows through the modules in this order:
-//!
-//! [`mesh`] → [`operators`] → [`solver`] → [`minimization`] → [`flow`] → [`spectral`] → [`method`]
-//!
-//! [`deformation`] stands beside the flows and uses [`minimization`]. [`segmentation`] groups the
-//! spectra that [`method`] gives. [`eigenset`] tests sets by their [`flow`]. [`image`] flows
-//! pixels. All of them use [`monitor`], which tells them when to stop, and [`memory`], which tells
-//! what fits.
-
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
+// Without the feature `internals`, part of what tests, benchmarks and bindings reach is unused.
+#![cfg_attr(not(feature = "internals"), allow(dead_code, unused_imports))]
 
 pub mod deformation;
 pub mod discretization;
 pub mod eigenset;
-pub mod error;
+mod error;
 pub mod flow;
 pub mod image;
+#[cfg(not(feature = "internals"))]
+mod memory;
+#[cfg(feature = "internals")]
 pub mod memory;
 pub mod mesh;
 pub mod method;
+#[cfg(not(feature = "internals"))]
+mod minimization;
+#[cfg(feature = "internals")]
 pub mod minimization;
 pub mod monitor;
 mod named;
+#[cfg(not(feature = "internals"))]
+mod operators;
+#[cfg(feature = "internals")]
 pub mod operators;
 mod parallel;
 pub mod segmentation;
+#[cfg(not(feature = "internals"))]
+mod solver;
+#[cfg(feature = "internals")]
 pub mod solver;
 pub mod spectral;
 
 pub use error::{ArgumentError, Error, Fault, Result};
 pub use named::Named;
+pub use ndarray;

@@ -27,6 +27,7 @@ mod total_variation;
 mod trajectory;
 mod velocity;
 
+pub use crate::solver::Solver;
 pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
 pub use function::{Operator, flow, flow_with};
 pub use heat::Heat;
@@ -35,10 +36,11 @@ pub use laplace_beltrami::Eigenpairs;
 pub use law::Law;
 pub(crate) use origin::without;
 pub use proximal::proximal_flow;
-pub use semi_implicit::{Weights, semi_implicit_flow};
+#[cfg(test)]
+pub(crate) use semi_implicit::{Weights, semi_implicit_flow};
 pub(crate) use stepping::no_exact_steps;
 pub use stepping::{Scheme, Stepping};
 pub(crate) use times::{check_steps, check_times};
 pub use total_variation::TotalVariation;
 pub use trajectory::Trajectory;
-pub use velocity::velocity;
+pub(crate) use velocity::velocity;

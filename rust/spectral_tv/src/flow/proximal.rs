@@ -18,7 +18,7 @@ use crate::operators::total_variation;
 /// Δt TV(u_k). Eigenfunctions then decay in a straight line down to extinction.
 ///
 /// # Errors
-/// As [`crate::flow::semi_implicit_flow`], or for a tolerance not in (0, 1).
+/// As [`crate::flow::Stepping::run`], or for a tolerance not in (0, 1).
 pub fn proximal_flow(
     operators: &Discretization,
     tolerance: f64,

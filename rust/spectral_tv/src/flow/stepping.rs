@@ -32,7 +32,7 @@ named!(
     "scheme",
     Extrapolated = "extrapolated",
     Lagged = "lagged",
-    Exact = "exact",
+    Exact = "exact"
 );
 
 /// How the steps of a flow are taken, and their systems solved.

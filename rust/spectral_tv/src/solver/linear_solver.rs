@@ -46,7 +46,7 @@ named!(
     "solver",
     Auto = "auto",
     Cholesky = "cholesky",
-    Multigrid = "multigrid",
+    Multigrid = "multigrid"
 );
 
 impl Solver {

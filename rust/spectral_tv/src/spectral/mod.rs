@@ -3,5 +3,6 @@
 mod bands;
 mod transform;
 
-pub use bands::{check_edges, even_edges};
+pub(crate) use bands::check_edges;
+pub use bands::even_edges;
 pub use transform::SpectralTransform;
