@@ -85,9 +85,9 @@ def filtered_bands(
 def parts(
     prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The bands (K, H, W, C) and the rest (H, W, 3), which add up to what is stored.
+    """The bands (K, H, W, C) and the rest (H, W, 3), which add up to the stored picture.
 
-    Of luminance the bands are grey, and the rest has the colors.
+    If luminance is filtered, the bands are grey, and the rest has the colors.
     """
     bands = np.stack(
         [prepared.pixels.stored_change(each) for each in prepared.bands(flow, settings)]

@@ -73,9 +73,10 @@ class Request:
         }
 
     def _of_mesh(self) -> tuple[spectral_tv.Mesh, np.ndarray, np.ndarray]:
-        """The same grid as that of an image, without what is not seen.
+        """The grid of an image as a mesh, without the pixels that are not visible.
 
-        A relief is that of one channel: of several, that along which they differ most.
+        The height of a relief is one channel. Several channels are projected on their principal
+        axis, along which they differ most.
         """
         values = self.values[self.visible]
         rows, columns = np.nonzero(self.visible)

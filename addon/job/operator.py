@@ -86,8 +86,8 @@ class ChangeOperator(Refusing):
 class JobOperator(Refusing):
     """An operator whose work is a job.
 
-    A subclass says what it works on by `prepare`, how by `start`, and what becomes of it by
-    `write`.
+    A subclass reads what it works on in `prepare`, starts the job in `start`, and writes the result
+    in `write`.
     """
 
     # What the user sees while it runs, before the object's name.

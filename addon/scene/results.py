@@ -122,9 +122,9 @@ def follow(obj: bpy.types.Object) -> Callable[[], None]:
 
 
 def known(obj: bpy.types.Object, written: str) -> dict[int, str]:
-    """Which of the KEYs, GROUPs or ATTRIBUTEs that were written are there as they were.
+    """Which of the written KEYs, GROUPs or ATTRIBUTEs are there unchanged.
 
-    They are told by their places in the record, with their names today.
+    By their places in the record, with their names today.
     """
     results = obj.data.spectral_tv.results
     places = [place for place, each in enumerate(results) if each.written == written]
