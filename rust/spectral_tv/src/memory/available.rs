@@ -21,7 +21,7 @@ mod linux {
 
     use crate::memory::control_groups;
 
-    /// Limits of a process, and what of its status they are limits of.
+    /// Limits of a process in its file `limits`, and the entries of its file `status` that they limit.
     const LIMITS: [(&str, &str); 2] = [
         ("Max address space", "VmSize:"),
         ("Max data size", "VmData:"),

@@ -14,7 +14,7 @@ struct Version {
     /// Bytes that may be used; any of them, and no number where there is no limit.
     limits: &'static [&'static str],
     used: &'static str,
-    /// Of the file `memory.stat`, what is given back before a limit is felt.
+    /// Entries of the file `memory.stat` with memory that the system reclaims before a limit counts.
     reclaimable: &'static [&'static str],
 }
 

@@ -48,9 +48,11 @@ pub(super) fn separate(part: &Part, sides: &mut [Side], stage: Stage) -> Result<
     Ok(())
 }
 
-/// Paths through a band from its first side to its second, and what a further one can do: it
-/// enters vertex v (state 2 v), leaves it (state 2 v + 1) if no path goes through it, and else
-/// goes on where that path came from, which in turn takes another way on.
+/// Paths through a band from its first side to its second, and the search for a further one.
+///
+/// The search enters vertex v (state 2 v). If no path goes through v, it leaves v for any neighbour
+/// (state 2 v + 1). If a path goes through v, the search goes back along that path to the vertex
+/// before v, and leaves that one another way.
 struct Paths {
     starts: Vec<u32>,
     /// Of each vertex, those near to the second side first.
