@@ -1,7 +1,8 @@
 """Spectral TV: split a mesh into bands of detail that can be dialled, masked and animated.
 
-A folder holds a feature: its options, operators, panels and verb of the command line. They work
-by the package spectral_tv. Where that cannot be used, a panel that says so takes the place of all.
+Each feature has a folder with its options, operators, panels and verb of the command line. Features
+use the package spectral_tv. If it cannot be used, nothing is registered but a panel that says why,
+and a command that says the same.
 """
 
 from importlib import import_module

@@ -1,9 +1,9 @@
-"""Registering what the features have.
+"""Registering the classes, properties and verbs of the features.
 
 A feature's ``__init__.py`` names in FILES, in order, the files that have classes of Blender. A
-group of properties that has an ``owner``, a type of Blender's and a name, becomes a property of
-that type. VERBS are those of the command line. What FORGET names is called when Blender loads a
-file, and in the end; what WITHDRAW names, in the end.
+property group with an ``owner``, a type of Blender's and a name, becomes a property of that type.
+VERBS are the feature's verbs of the command line. FORGET has functions that are called when Blender
+loads a file and when the extension is disabled. WITHDRAW has functions for the latter alone.
 """
 
 from collections.abc import Iterator

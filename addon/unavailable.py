@@ -1,4 +1,4 @@
-"""What is there in place of all else where the native module cannot be used: it says why."""
+"""The panel and the command that take the place of all else if the native module cannot be used."""
 
 import sys
 

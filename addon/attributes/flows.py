@@ -1,4 +1,4 @@
-"""From a function on an object to its flow, and from the flow to what is written."""
+"""From a function on an object to its flow, and from the flow to the results that are written."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Writing functions beside the one they were made of."""
+"""Writing functions on a mesh, each beside the function it was made from."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""What to flow, and how; sizes are percentages of √ of the area."""
+"""The settings of a flow on a mesh; sizes are percentages of the square root of its area."""
 
 from dataclasses import dataclass
 from typing import Any

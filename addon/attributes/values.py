@@ -1,4 +1,4 @@
-"""Operators that tell the values of vertices and groups over time: table, picture, file."""
+"""Operators that show the values of vertices and groups over time: as table, picture and file."""
 
 from dataclasses import dataclass
 from pathlib import Path

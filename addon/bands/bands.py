@@ -183,9 +183,9 @@ def settings_of(record: SpectralTVRecord) -> Settings:
 
 
 def settings_as_taken(record: SpectralTVRecord) -> Settings:
-    """The same with the bands and the steps that there are, whatever decided on them.
+    """The settings of a record, with the numbers of bands and steps that were in fact taken.
 
-    Where modifiers were applied, the object that has the bands is what they showed.
+    If modifiers were applied, the object that has the bands is the shape that they showed.
     """
     taken = settings_of(record)
     shape = "BASIS" if taken.shape == "APPLIED" else taken.shape
@@ -194,9 +194,9 @@ def settings_as_taken(record: SpectralTVRecord) -> Settings:
 
 
 def set_values(obj: bpy.types.Object, values: list[float]) -> None:
-    """Set the values of the bands, leaving out those whose key was deleted.
+    """Set the values of the bands, except of those whose key was deleted.
 
-    What keeps them from being seen is noted.
+    What keeps the bands from being seen is noted.
     """
     bands = bands_of(obj)
     pairs = [(key, value) for key, value in zip(bands, values, strict=True) if key is not None]
@@ -236,10 +236,9 @@ def _note_unseen(obj: bpy.types.Object, bands: list[Band]) -> None:
 
 
 def follow(obj: bpy.types.Object) -> Callable[[], None]:
-    """Note which bands are there; the function returned has the record follow them to other
-    vertices and faces.
+    """Note which bands there are; calling the result has the record follow them to a new topology.
 
-    The flow, which was on those that were there before, is not theirs any more.
+    The flow belongs to the former vertices and faces, so the record loses it.
     """
     if record_of(obj) is None or topology_changed(obj):
         return lambda: None

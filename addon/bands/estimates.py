@@ -1,4 +1,4 @@
-"""What decompositions will take."""
+"""Estimates of the time and the memory of decompositions."""
 
 import spectral_tv
 

@@ -1,4 +1,4 @@
-"""Which filter the bands of a function get: what the user chooses, and what it comes to."""
+"""The filter of a function's bands: what the user chooses, and the gain of each band."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -72,9 +72,9 @@ class FilterSettings:
 
 
 def filter_values(choice: FilterSettings) -> list[float]:
-    """What is added to every band, times the band: −1 removes it.
+    """The multiple of each band that the filter adds: −1 removes the band.
 
-    That a filter changes nothing is noted. Raises Refusal if the gains are not one number per band,
+    A filter that changes nothing is noted. Raises Refusal if the gains are not one number per band,
     or there is no curve.
     """
     values = _values(choice)
@@ -104,9 +104,9 @@ def _values(choice: FilterSettings) -> list[float]:
 
 
 def sidebar_band(end: str) -> Any:
-    """A property of a sidebar's choices, "first" or "last": the usual band until one is chosen.
+    """A sidebar's property "first" or "last": the usual band until the user chooses one.
 
-    What is chosen is in ``own_first`` and ``own_last``, which are 0 until then.
+    The choice is kept in ``own_first`` and ``own_last``, which are 0 until then.
     """
 
     def get(choices: Any) -> int:

@@ -27,8 +27,11 @@ def preset_values(preset: str, count: int, first: int, last: int, amount: float)
 
 
 def usual_band(preset: str, count: int) -> int:
-    """The band that a filter is about where none is chosen: the third, or the one from which there
-    are others on both sides, or on that which the filter removes."""
+    """The band that a filter chooses by default: the third, if there is another band beyond it.
+
+    With fewer bands it is the last but one. For a low-pass it is at least the second, as otherwise
+    there would be nothing to remove.
+    """
     return max(2 if preset == "LOW_PASS" and count > 1 else 1, min(3, count - 1))
 
 

@@ -1,7 +1,8 @@
-"""Bands in the place of others: what was dialled, masked, animated and driven goes over to them.
+"""New bands in the place of old ones: they take over values, masks, animation and drivers.
 
-The values of bands are a filter over scales, constant within each. The new bands get its means,
-each component counted once, as bands hold equal numbers of components.
+The values of bands are a filter over scales, constant within each band. The value of a new band is
+the mean of this filter over its components. All components have the same weight, as bands hold
+equal numbers of components.
 """
 
 from collections.abc import Iterator, Sequence
@@ -73,9 +74,9 @@ def _members(bands: Sequence[tuple[float, float]], times: np.ndarray) -> np.ndar
 
 @dataclass(frozen=True)
 class Former:
-    """A band that others take the place of, None if it is no more, and the name it was given.
+    """A band that new ones replace, None if it is gone, and the name that it was given.
 
-    One that ``stays`` is muted, as the new ones are seen in its place.
+    A band that ``stays`` is muted, as the new ones are shown in its place.
     """
 
     band: Band | None
@@ -91,10 +92,10 @@ def take_place(
     names: Sequence[str],
     overlap: Overlap,
 ) -> tuple[list[str], list[str]]:
-    """Have bands take the place of others; returns their names, and those that they were given.
+    """Have new bands take the place of old ones; returns their present names, and the names given.
 
-    ``names`` are those that the new ones get if they are free; one that holds what an old one held
-    gets that one's name.
+    A new band with the same components as an old one gets that one's name. Others get those of
+    ``names``, if they are free.
     """
     there = keeping.all(obj)
     old = [each.band for each in former]

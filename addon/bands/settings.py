@@ -1,4 +1,4 @@
-"""What to decompose by, in the terms of the user: sizes are relative to the object's."""
+"""The settings of a decomposition, in the user's terms: sizes are relative to the object's size."""
 
 import json
 import math

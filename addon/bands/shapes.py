@@ -1,4 +1,4 @@
-"""Which shape of an object is decomposed, and what the user is told of it."""
+"""Which shape of an object is decomposed, and what the user is told about it."""
 
 from collections.abc import Sequence
 

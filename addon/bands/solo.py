@@ -1,4 +1,4 @@
-"""One band alone: the others muted, and what was muted before kept in mind."""
+"""Solo: mutes all bands but one, and remembers which were muted before."""
 
 import bpy
 
@@ -7,10 +7,10 @@ from ..scene.records import SpectralTVBand, bands_of, record_of
 
 
 def toggle_solo(obj: bpy.types.Object, number: int) -> None:
-    """Mute all bands but that of a number, from 1; if it is alone already, give the mutes back.
+    """Mute all bands but that of a number, from 1; if it is alone already, restore the mutes.
 
-    What the user mutes or unmutes meanwhile stays so in the end. Raises Refusal if there is no such
-    band.
+    What the user mutes or unmutes meanwhile stays so.
+    Raises Refusal if there is no such band.
     """
     record = record_of(obj)
     pairs = _pairs(obj)

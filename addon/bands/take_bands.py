@@ -1,4 +1,4 @@
-"""The operator that puts the detail of one mesh onto another."""
+"""The operator that replaces bands of a mesh by those of another mesh."""
 
 import bpy
 import numpy as np

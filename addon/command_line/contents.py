@@ -1,4 +1,4 @@
-"""What there is in a scene beside the shapes."""
+"""A survey of what a scene holds beside shapes, to compare with what a format can hold."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Having objects hold copies of their meshes for a while, and modifiers be off."""
+"""Temporary changes for an export: objects hold copies of their meshes, modifiers are off."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager

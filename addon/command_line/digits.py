@@ -1,6 +1,6 @@
 """Coordinates with more digits than a float of Blender holds, such as those of scans in maps.
 
-A PLY file or one of text is read relative to a round point near its middle; what is written is
+PLY files and text files are read relative to a round point near their middle. What is written is
 relative to 0 again.
 """
 
@@ -20,9 +20,9 @@ OBJ_AXES = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 @dataclass(frozen=True)
 class Digits:
-    """How a file stores coordinates: as text, in double precision, and relative to what.
+    """How a file stores coordinates: as text or not, in double precision or not, relative to what.
 
-    ``offset`` (3,) is in Blender's axes, to be added to what Blender holds.
+    ``offset`` (3,), in Blender's axes, is added to Blender's coordinates to get those of the file.
     """
 
     offset: np.ndarray

@@ -1,4 +1,4 @@
-"""Changes to copies of meshes so that exporters write all of what a format can hold."""
+"""Changes to copies of meshes that make exporters write all that a format can hold."""
 
 from collections.abc import Callable
 

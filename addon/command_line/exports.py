@@ -1,4 +1,4 @@
-"""Having Blender write each format in a scene that is laid out for it."""
+"""Writing each format by Blender's exporter, from a scene that is prepared for the format."""
 
 import os
 from collections.abc import Iterator, Sequence

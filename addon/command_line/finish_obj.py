@@ -1,4 +1,4 @@
-"""OBJ files of Blender's written anew: all digits of a float, relative to 0."""
+"""Rewriting OBJ files that Blender wrote: all digits of a float, relative to 0."""
 
 import os
 from collections.abc import Iterator, Sequence

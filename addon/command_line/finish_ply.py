@@ -1,4 +1,4 @@
-"""PLY files of Blender's written anew: vertices in their order, with doubles, relative to 0."""
+"""Rewriting PLY files that Blender wrote: vertices in their order, with doubles, relative to 0."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What every format holds: the one table that exporting, messages and the manual go by."""
+"""The table of what each format holds; exports, messages and docs/formats.md follow it."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What a file itself gives of vertices and faces, and what of it Blender's importers leave out."""
+"""The vertices and faces that a file gives, and those that Blender's importers leave out."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -245,9 +245,9 @@ def _set_nowhere(mesh: bpy.types.Mesh) -> None:
 
 
 def _restore_gaps(meshes: Sequence[bpy.types.Mesh], shapes: Sequence[np.ndarray]) -> None:
-    """Have vertices be nowhere that are so in shapes, (V, 3), of a file with these meshes.
+    """Give vertices no finite place again if they have none in the file's shapes, (V, 3).
 
-    Raises Refusal if it cannot be told which mesh a shape is.
+    Raises Refusal if it cannot be told which mesh belongs to a shape.
     """
     for shape in shapes:
         gaps = np.flatnonzero(are_nowhere(shape))

@@ -1,4 +1,4 @@
-"""Having Blender's importer of glTF read what is in a file."""
+"""Mending what Blender's importer of glTF reads wrongly or leaves out."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -19,12 +19,11 @@ TRIANGLES = 4
 
 @contextmanager
 def read_right() -> Iterator[None]:
-    """Have it not mix up custom attributes, and not make 0 of coordinates that are no numbers.
+    """Mend the importer: custom attributes keep their values, bad coordinates do not become 0.
 
-    Triangles are noted that it leaves out.
-
-    It goes through a set of the names of attributes, in another order every time, and through a
-    list of their values at once.
+    Triangles that it leaves out are noted. The importer goes through a set of the names of
+    attributes, in another order every time, and at the same time through a list of their values.
+    So the set is exchanged for one that keeps its order.
     """
     module = ModuleType("absent")
     for name in ("gltf2_blender_mesh", "mesh"):  # up to Blender 4.2, and since
@@ -56,7 +55,7 @@ class _Ordered(dict[str, None]):
 
 
 class _Numbers:
-    """The reader of numbers, which puts vertices far away that are nowhere."""
+    """The importer's reader of numbers; it moves vertices without a finite place far away."""
 
     def __init__(self, reader: Any) -> None:
         self._reader = reader

@@ -37,11 +37,11 @@ PLY_ELEMENTS = {"vertex", "face", "edge", "tristrips"}
 
 @dataclass(frozen=True)
 class Source:
-    """A file that was read, and what has to be known of it to write one alike.
+    """A file that was read, and what is needed to write another one like it.
 
-    ``keys`` are the names of the shape keys that objects came with; ``frames`` those over which
-    vertices move by themselves. ``units`` are for the user to read, and ``options`` those of the
-    exporter that give the same units and axes. ``ply`` is what a PLY file was like.
+    ``keys`` are the names of the shape keys that the file's objects have. ``frames`` are the frames
+    over which vertices move by themselves. ``units`` are for the user to read. ``options`` are
+    those of the exporter that give the same units and axes. ``ply`` is the form of a PLY file.
     """
 
     path: Path
@@ -93,9 +93,9 @@ def load(path: Path) -> Source:
 
 
 def freeze(source: Source, hint: str) -> None:
-    """Keep the current frame of shapes that move, as what is played would undo every filter.
+    """Keep the current frame of shapes that move, as their motion would undo every filter.
 
-    ``hint`` tells what option takes all frames.
+    ``hint`` tells which option takes all frames.
     """
     if source.frames is None:
         return

@@ -1,4 +1,4 @@
-"""What a format does not keep of what a scene holds, told in a line each."""
+"""What a scene holds but a format does not keep: one message each."""
 
 from collections.abc import Callable, Sequence
 from itertools import groupby

@@ -1,4 +1,4 @@
-"""Scenes in other units than metres, and the files that become of them."""
+"""Writing scenes in other units than metres, in metres if the format has a unit."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

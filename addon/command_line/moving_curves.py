@@ -1,4 +1,4 @@
-"""Having Blender's exporter of FBX give curves to what moves alone."""
+"""Making Blender's FBX exporter write animation curves only for what moves."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,10 +13,10 @@ ROUNDING = 5e-7
 
 @contextmanager
 def moving_alone() -> Iterator[None]:
-    """Have channels of objects, cameras and shape keys that stand still get no keyframes.
+    """Have the exporter write no keyframes for objects, cameras and shape keys that stand still.
 
-    Without simplification the exporter gives some to all of them. With it single axes that stand
-    still get none, and Blender 5 passes over motion that has none along X.
+    Without simplification the exporter gives some keyframes to all of them. With simplification
+    single axes that stand still get none, and Blender 5 ignores motion that has none along X.
     """
     channel = import_module("io_scene_fbx.fbx_utils").AnimationCurveNodeWrapper
 

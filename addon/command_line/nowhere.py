@@ -1,4 +1,4 @@
-"""Vertices without a finite place, which other formats than .blend do not hold."""
+"""Vertices without a finite place: only a .blend can hold them."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""Having renders show what the viewport shows, for exporters that write what is rendered."""
+"""Making renders show what the viewport shows, for exporters that write what is rendered."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

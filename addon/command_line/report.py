@@ -1,4 +1,4 @@
-"""The report: a line of JSON for every input, written as soon as that is done."""
+"""The report: a line of JSON for every input, written as soon as the input is done."""
 
 import errno
 import io

@@ -1,4 +1,4 @@
-"""Writing files by their suffix, whole, and telling what is not in them."""
+"""Writing files by their suffix, whole, and noting what the formats do not hold."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -77,9 +77,9 @@ def _save(place: Path) -> None:
 
 
 def _ensure_room(place: Path) -> None:
-    """Raise the error of the disk that keeps a .blend from being written: Blender may tell others.
+    """Raise the disk's own error if no .blend can be written there; Blender may name another cause.
 
-    Where another disk holds the file, that is copied to the place.
+    The file is written on another disk first, and copied if that succeeds.
     """
     with TemporaryDirectory(prefix="spectral_tv_") as folder:
         other = Path(folder) / place.name
@@ -101,9 +101,9 @@ def _ensure_short(place: Path) -> None:
 
 @contextmanager
 def _exported(only: Sequence[bpy.types.Object] | None) -> Iterator[list[bpy.types.Object]]:
-    """Yield the objects that will be in a file: those that are seen, or these.
+    """Yield the objects that will be in a file: those that are shown, or the given ones.
 
-    Armatures that move them are shown meanwhile, as exporters pass over what is hidden.
+    Armatures that move them are shown meanwhile, as exporters leave out what is hidden.
     """
     layer = bpy.context.view_layer
     layer.update()

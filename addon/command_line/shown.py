@@ -1,8 +1,8 @@
-"""Laying meshes out for an exporter so that the file shows what the screen shows.
+"""Preparing meshes for an exporter so that the file shows what the screen shows.
 
-Exporters that store shape keys pass over masks, muted keys, keys relative to others, and either the
-keys or the modifiers. While they write, objects hold copies of their meshes in which all of that
-is in the shape of the keys; then they have their own meshes again.
+Exporters that store shape keys ignore masks, muted keys and keys relative to others. They also
+ignore either the keys or the modifiers. While they write, objects hold copies of their meshes whose
+keys have all of that in their shapes. Afterwards objects hold their own meshes again.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""Signals that end the program."""
+"""Signals that ask the program to end."""
 
 import signal
 from collections.abc import Iterator
@@ -15,9 +15,9 @@ _received: list[int] = []
 
 @contextmanager
 def heeded() -> Iterator[None]:
-    """Have the first signal to end raise KeyboardInterrupt, so that files are cleaned up.
+    """Have the first signal that asks for an end raise KeyboardInterrupt; so files are cleaned up.
 
-    Further ones do not disturb that.
+    Further signals do not disturb the cleaning.
     """
     # Blender's own handlers would wait for the end.
     former: dict[int, Any] = {}

@@ -30,9 +30,9 @@ def may_be_lost() -> Iterator[None]:
 
 @contextmanager
 def _apart(stream: TextIO | None) -> Iterator[TextIO | None]:
-    """Keep what Blender itself says from standard output where that is a pipe.
+    """Keep Blender's own messages from standard output if that is a pipe.
 
-    Its importers end the process where the other end of the pipe is closed.
+    If the other end of the pipe is closed, Blender's importers end the process.
     """
     try:
         is_pipe = stream is not None and stream.fileno() == 1 and _is_pipe(1)

@@ -1,4 +1,4 @@
-"""The units and axes of files, and the options by which another is written alike."""
+"""The units and axes of files, and the options of exporters that give a new file the same ones."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path

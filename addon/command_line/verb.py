@@ -1,4 +1,4 @@
-"""What all verbs do: read a file, treat its objects, write and picture them, one by one."""
+"""What all verbs do: read each file, treat its objects, then write and picture them."""
 
 import argparse
 import time

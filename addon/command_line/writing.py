@@ -1,4 +1,4 @@
-"""Having Blender write a file."""
+"""Writing a file by an operator of Blender, with the file's name in errors."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

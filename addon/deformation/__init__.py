@@ -1,4 +1,4 @@
-"""Deformations: what holds and moves an object, and what becomes of it."""
+"""Deformations: what holds and moves an object, and the shapes that it gets."""
 
 from . import (
     bake_operator,

@@ -1,6 +1,6 @@
 """The constraints of an object at the vertices of its surface.
 
-Several vertices of the object may be one of the surface, and a mirrored object has another half,
+Several vertices of an object may be one vertex of its surface. A mirrored object has another half,
 which is held and moved likewise.
 """
 

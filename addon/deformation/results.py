@@ -1,8 +1,8 @@
 """The shape keys that hold deformations: one of the button and of Live, or one per baked frame.
 
-They are known by their fingerprints, kept on the object. What the user changed, locked or copied of
-them is the user's. Either the one or the others are seen: all hold what the constraints ask for,
-and would add up.
+Fingerprints, kept on the object, recognise them. A key that the user changed, locked or copied is
+the user's. Either the first or the baked ones are shown, and the others muted: each meets the
+constraints, so they would add up.
 """
 
 from collections.abc import Callable, Sequence

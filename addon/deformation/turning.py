@@ -1,4 +1,4 @@
-"""How far handles turn: total variation takes pieces along without turning them."""
+"""How far handles turn: total variation shifts the pieces at a handle, and does not turn them."""
 
 import math
 

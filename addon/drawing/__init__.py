@@ -1,1 +1,1 @@
-"""What panels share."""
+"""Drawing that panels share."""

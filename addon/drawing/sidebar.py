@@ -1,4 +1,4 @@
-"""Where the panels are, and how they tell something; needs nothing of the native module."""
+"""The place of the panels in the sidebar, and their messages; works without the native module."""
 
 import textwrap
 

@@ -1,4 +1,4 @@
-"""What panels share that start work."""
+"""The base class and the rows of panels that start work."""
 
 from collections.abc import Callable
 
@@ -77,7 +77,7 @@ def draw_needs(layout: bpy.types.UILayout, context: bpy.types.Context, needs: Ne
 def draw_selection(
     layout: bpy.types.UILayout, context: bpy.types.Context, shared: str, needs: Callable[..., Needs]
 ) -> None:
-    """Draw that all selected meshes get the same of something, and what that needs.
+    """Draw that all selected meshes get the same ``shared``, and what the work needs.
 
     ``needs`` takes the numbers of their vertices.
     """

@@ -1,4 +1,4 @@
-"""Adding to a finished picture file what Blender does not write beside its pixels."""
+"""Adding tags to a finished picture file that Blender does not write beside its pixels."""
 
 import struct
 import zlib

@@ -1,4 +1,4 @@
-"""All that a PLY file of Blender's has in it, and the lists in those of others."""
+"""The whole content of a PLY file that Blender wrote, and the lists in PLY files of others."""
 
 import struct
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Where there is room for a file that cannot be written in part."""
+"""Finding a place with enough room for a file that must not be written in part."""
 
 import shutil
 from collections.abc import Iterator

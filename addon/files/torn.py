@@ -1,4 +1,4 @@
-"""What a file that was cut short is, and reading parts of files."""
+"""The error for a file that was cut short, and reading parts of files."""
 
 import struct
 from pathlib import Path

@@ -215,9 +215,9 @@ def _put_all(folder: Path, place: Path) -> None:
 
 
 def _make_room(goal: Path, path: Path, place: Path) -> None:
-    """See that ``path`` can be put at ``goal``; raises NotWritten if something else is there.
+    """Make sure that ``path`` can be put at ``goal``; raises NotWritten if something else is there.
 
-    What bears the name of the main file was written with an earlier one.
+    What has the name of the main file was written along with an earlier one, and may be replaced.
     """
     goal.parent.mkdir(parents=True, exist_ok=True)
     is_own = goal.relative_to(place.parent).parts[0].startswith(place.stem)

@@ -1,4 +1,4 @@
-"""From a picture to its flow, and from the flow to its bands and what is made of them."""
+"""From a picture to its flow, and from the flow to bands and filtered pictures."""
 
 from dataclasses import dataclass
 
@@ -85,9 +85,9 @@ def filtered_bands(
 def parts(
     prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The bands (K, H, W, C) and the rest (H, W, 3), which add up to what is stored.
+    """The bands (K, H, W, C) and the rest (H, W, 3), which add up to the stored picture.
 
-    Of luminance the bands are grey, and the rest has the colors.
+    If luminance is filtered, the bands are grey, and the rest has the colors.
     """
     bands = np.stack(
         [prepared.pixels.stored_change(each) for each in prepared.bands(flow, settings)]

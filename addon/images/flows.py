@@ -1,4 +1,4 @@
-"""The flow of the part of a picture that can be seen, as if there were nothing else."""
+"""The flow of the visible part of a picture, as if there were nothing else."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -73,9 +73,10 @@ class Request:
         }
 
     def _of_mesh(self) -> tuple[spectral_tv.Mesh, np.ndarray, np.ndarray]:
-        """The same grid as that of an image, without what is not seen.
+        """The grid of an image as a mesh, without the pixels that are not visible.
 
-        A relief is that of one channel: of several, that along which they differ most.
+        The height of a relief is one channel. Several channels are projected on their principal
+        axis, along which they differ most.
         """
         values = self.values[self.visible]
         rows, columns = np.nonzero(self.visible)

@@ -1,9 +1,8 @@
-"""The values of a picture that are worked on, and what becomes of them.
+"""The values of a picture that are filtered, and the picture that they become.
 
-They are as they are in a file: encoded for displays where the picture is, and proportional to light
-where that is scene-linear. Colors are those that alpha shows: where they are stored multiplied by
-alpha they are divided by it. What changes is added to what was stored; so what does not change
-stays as it is, to the last bit.
+Values are as they are in the file: encoded for displays, or proportional to light if the picture is
+scene-linear. If colors are stored multiplied by alpha, they are divided by it first. The result is
+the stored picture plus the changes. So what does not change stays as it is, to the last bit.
 """
 
 from dataclasses import dataclass, replace

@@ -1,8 +1,8 @@
-"""Images that are written of another, and how they are known again.
+"""Images that were made from another image, and recognising them later.
 
-The scene remembers what was written: pointers follow an image that is renamed, and a copy is
-another image. A result is written over only if the record points to it, it still names its source,
-and nobody has changed it since; else it is the user's and stays.
+The scene remembers what was written. Its pointers follow an image that is renamed, and do not point
+to copies. A result is written over only if the record points to it, it still names its source, and
+nobody has changed it since. Otherwise it is the user's, and stays.
 """
 
 from collections.abc import Collection

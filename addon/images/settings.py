@@ -1,4 +1,4 @@
-"""How a picture is split, and what is written of it; sizes are in pixels."""
+"""How a picture is split, and which results are written; sizes are in pixels."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""Reading Blender's images: what is seen of them, painted over or not."""
+"""Reading Blender's images as they are shown, with what was painted on them."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""Work beside Blender: the thread it runs in, what it will take, and what it refused."""
+"""Jobs: long work in a thread beside Blender, its estimates, and what it refused."""
 
 from . import faults, jobs, operator, select_faulty, timers
 

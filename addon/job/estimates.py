@@ -1,4 +1,4 @@
-"""What work will take, in words."""
+"""Estimates of the memory and the time of work, in words."""
 
 from dataclasses import dataclass, replace
 from typing import Any

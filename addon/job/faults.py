@@ -1,4 +1,4 @@
-"""What was refused because of some vertices, kept so that they can be told and selected."""
+"""Vertices for which a mesh was refused: kept, so that they can be shown and selected."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,6 +1,6 @@
-"""What operators share: they refuse, change something at once, or have a job work.
+"""Base classes of operators: one that changes something at once, and one that runs a job.
 
-A job blocks in scripts, and runs beside a window, where Esc cancels it.
+In scripts a job blocks. With a window it runs beside it, and Esc cancels it.
 """
 
 import time
@@ -86,8 +86,8 @@ class ChangeOperator(Refusing):
 class JobOperator(Refusing):
     """An operator whose work is a job.
 
-    A subclass says what it works on by `prepare`, how by `start`, and what becomes of it by
-    `write`.
+    A subclass reads what it works on in `prepare`, starts the job in `start`, and writes the result
+    in `write`.
     """
 
     # What the user sees while it runs, before the object's name.

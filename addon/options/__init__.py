@@ -1,1 +1,1 @@
-"""Options, each declared once: properties, rows, arguments and keywords come of that."""
+"""Options: each is declared once, and becomes a property, a row, an argument and a keyword."""

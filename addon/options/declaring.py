@@ -1,7 +1,7 @@
 """Declaring options, as fields of dataclasses.
 
-Everything else is made of such a field: the property of an operator and of the sidebar, its row in
-a panel, the argument of the command line, what a report says, and a keyword of the package.
+All else is made from such a field: the property of an operator and of the sidebar, its row in a
+panel, the argument of the command line, what a report says, and a keyword of the package.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -27,11 +27,11 @@ class Only:
 class Option:
     """What is known of an option beside its name.
 
-    ``kind`` is that of the function below that declares it. It ``applies`` where all conditions
-    hold. ``place`` is the part of a panel that has it; elsewhere it is hidden, or ``dims``.
-    ``keyword`` is what the package calls it. ``argument`` is what the command line calls it if that
-    is not its name; empty if it is no argument. It is ``refused`` where it does not apply, rather
-    than of no account.
+    ``kind`` is the name of the function below that declares it. The option ``applies`` if all
+    conditions hold; if not, it is ignored, or ``refused``. ``place`` is the part of a panel with
+    it; there an option that does not apply is hidden, or greyed if it ``dims``. ``keyword`` is its
+    name in the package. ``argument`` is its name on the command line, if that differs; empty if it
+    is no argument.
     """
 
     kind: str

@@ -1,4 +1,4 @@
-"""Options as rows of panels: those that have an effect."""
+"""Options as rows of panels; options that have no effect have no row."""
 
 from typing import Any
 

@@ -33,9 +33,9 @@ def check_animatable(keys: bpy.types.Key) -> None:
 
 @contextmanager
 def as_before(obj: bpy.types.Object) -> Iterator[None]:
-    """Where what is done meanwhile fails, have the shape keys of ``obj`` animated as before.
+    """If the block fails, restore the animation of the shape keys of ``obj``.
 
-    Keys that were added by then, and all that animates them, may be removed afterwards.
+    Keys that the block added, and all that animates them, may be removed afterwards.
     """
     keys = obj.data.shape_keys
     names = set() if keys is None else set(keys.key_blocks.keys())

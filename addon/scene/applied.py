@@ -1,4 +1,4 @@
-"""What modifiers show of an object, as a mesh or an object of its own."""
+"""The shape that modifiers show of an object, as a mesh or as an object of its own."""
 
 import bpy
 

@@ -1,4 +1,4 @@
-"""What Blender keeps of many things, as arrays."""
+"""Fields of Blender's collections as arrays."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""What animates shape keys: curves in the action and in strips of the NLA, and drivers."""
+"""What animates shape keys: F-curves in the action and in NLA strips, and drivers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Sums of curves of animation."""
+"""Sums of F-curves."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

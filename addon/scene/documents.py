@@ -1,4 +1,4 @@
-"""Texts and images that belong to a mesh: written over as long as they are as they were written."""
+"""Texts and images that belong to a mesh; they are written over only if nobody changed them."""
 
 import bpy
 import numpy as np

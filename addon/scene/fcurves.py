@@ -1,4 +1,4 @@
-"""Curves of animation as plain values: read, and made again."""
+"""F-curves as plain values: read, and made again."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,8 +1,8 @@
-"""Fingerprints of what was written on a mesh: it is known again whatever it is called today.
+"""Fingerprints of what was written on a mesh: they recognise it whatever its name is today.
 
-Vertex groups, attributes and shape keys can hold nothing that would mark them. So what was written
-is known by its contents: exactly, or for shape keys up to rounding, and while most of it is as it
-was.
+Vertex groups, attributes and shape keys can hold no mark. So what was written is recognised by its
+contents, which have to be exactly the same. A shape key is compared up to rounding. If about half
+of it is as it was, it is recognised as one that was changed.
 """
 
 from collections.abc import Collection, Sequence
@@ -57,9 +57,9 @@ class Fingerprint:
             self.moves = moved[list(self.places)].ravel()
 
     def likeness(self, key: bpy.types.ShapeKey) -> Likeness:
-        """How a shape key with another digest moves the vertices like this one.
+        """How like this one a shape key with another digest moves the vertices.
 
-        Where Basis is sculpted Blender moves all keys along; how far they move vertices stays.
+        If Basis is sculpted, Blender moves all keys along; their displacements stay.
         """
         moved, unit = key_displacement(key), rounding(key)
         if not any(self.sketch) and not any(self.places):  # taken by 0.1.0
@@ -77,12 +77,12 @@ class Fingerprint:
 def recognise(
     obj: bpy.types.Object, written: str, prints: Sequence[Fingerprint], any_copy: bool = False
 ) -> list[tuple[str, Likeness]]:
-    """Which of the KEYs, GROUPs or ATTRIBUTEs of ``obj`` is each of what was written.
+    """Which of the KEYs, GROUPs or ATTRIBUTEs of ``obj`` each of the written things is today.
 
-    Each is told by its name today, and how like it is; by "" where it is gone. That a thing has the
-    recorded name says nothing by itself: it is another one, if it is nothing like what was written
-    or if that is there by another name. Of several copies, all of them under other names, the first
-    is taken if it may be ``any_copy``, else none.
+    Gives its name today and its likeness; the name is "" if it is gone. The recorded name alone
+    proves nothing. What has that name is another thing if it is nothing like what was written, or
+    if the written thing is there under another name. Of several copies, all under other names, the
+    first is taken if ``any_copy`` will do, else none.
     """
     found = [("", Likeness.OTHER)] * len(prints)
     taken: set[str] = set()

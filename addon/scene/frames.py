@@ -32,7 +32,7 @@ def kept(scene: bpy.types.Scene) -> Iterator[None]:
 def visited(scene: bpy.types.Scene, frames: Sequence[int]) -> Iterator[int]:
     """Set the scene to each of the frames, which increase.
 
-    Where something is simulated, every frame since its start is played on the way.
+    If something is simulated, every frame since the start of the simulation is played on the way.
     """
     starts = list(_simulation_starts(scene))
     on_the_way = frames

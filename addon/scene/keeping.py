@@ -1,6 +1,6 @@
-"""Where the bands of a mesh are kept: as shape keys.
+"""The place where the bands of a mesh are kept: its shape keys.
 
-What works on bands does so by a `Keeping`, and by bands that are like shape keys: they have a
+Code that works on bands uses a `Keeping`, and bands that are like shape keys: they have a
 ``name``, a ``value`` between ``slider_min`` and ``slider_max``, ``mute``, the ``vertex_group`` that
 masks them, and ``lock_shape``. Another place is another class, and its name in PLACES.
 """

@@ -1,7 +1,7 @@
-"""What a user has to be told beside a result: what was lost, guessed, skipped or changed.
+"""Notes: what a user has to be told beside a result, as it was lost, guessed, skipped or changed.
 
-It is noted where it is found, however deep, and told by whoever runs the work: an operator reports
-it, the command line prints it and writes it into the report.
+Code notes it where it finds it, however deep. An operator reports its notes. The command line
+prints them and writes them into the report.
 """
 
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,7 @@
 """Where objects and bones are in the world, hidden ones too.
 
-Blender moves what is shown. What is hidden keeps the place that it had when it was last shown,
-unless something shown depends on it.
+Blender updates only what is shown. A hidden object keeps the place that it had when it was last
+shown, unless something shown depends on it.
 """
 
 from collections.abc import Iterable, Iterator
@@ -47,9 +47,9 @@ def _is_enabled(obj: bpy.types.Object, layer: bpy.types.LayerCollection) -> bool
 
 @contextmanager
 def kept_up(followed: Iterable[Followed], over_frames: bool = False) -> Iterator[None]:
-    """Have Blender move all of these meanwhile, hidden ones too.
+    """Have Blender update all of these objects and bones in the block, hidden ones too.
 
-    If ``over_frames``, those too that are hidden on other frames. Raises Refusal where there are
+    With ``over_frames`` also those that are hidden on other frames. Raises Refusal if there are
     hidden ones in a scene that belongs to another file.
     """
     hidden = [(obj, bone) for obj, bone in followed if over_frames or not is_kept_up(obj)]

@@ -1,7 +1,7 @@
 """What a mesh remembers of its decomposition, kept in the file.
 
-A record names the shape key of each band and has its fingerprint, so that bands are found again
-after keys were renamed, reordered or sculpted, and no other key is taken for one.
+A record names the shape key of each band and has its fingerprint. So bands are found again after
+keys were renamed, reordered or sculpted, and no other key is taken for a band.
 """
 
 import uuid

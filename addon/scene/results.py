@@ -1,8 +1,8 @@
-"""What is written on a mesh of something on it: beside that, and over what was written before.
+"""Results of functions on a mesh: written beside their source, over the results of the last time.
 
-A mesh remembers what was written of which source, with a fingerprint. What has it still is ours,
-and is written over whatever it is called today. What the user changed, locked or made is the
-user's: it stays, and the result is written beside it.
+A mesh remembers the results of each source, with their fingerprints. What still has its fingerprint
+is ours, and is written over whatever its name is today. What the user changed, locked or made is
+the user's: it stays, and the result is written beside it.
 """
 
 from collections.abc import Callable, Mapping
@@ -122,9 +122,9 @@ def follow(obj: bpy.types.Object) -> Callable[[], None]:
 
 
 def known(obj: bpy.types.Object, written: str) -> dict[int, str]:
-    """Which of the KEYs, GROUPs or ATTRIBUTEs that were written are there as they were.
+    """Which of the written KEYs, GROUPs or ATTRIBUTEs are there unchanged.
 
-    They are told by their places in the record, with their names today.
+    By their places in the record, with their names today.
     """
     results = obj.data.spectral_tv.results
     places = [place for place, each in enumerate(results) if each.written == written]

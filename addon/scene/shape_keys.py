@@ -1,4 +1,4 @@
-"""Shape keys as displacements: read, written, and removed without moving what leans on them."""
+"""Shape keys as displacements: read, written, and removed without moving keys relative to them."""
 
 from collections.abc import Iterable, Sequence
 

@@ -1,4 +1,4 @@
-"""Which objects are parts of one surface: those whose open edges meet."""
+"""Which objects are parts of one surface: those whose open edges meet those of another."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""What is written is whole or not there."""
+"""Writing on meshes whole or not at all."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,10 +10,11 @@ import bpy
 
 @contextmanager
 def whole(*objects: bpy.types.Object) -> Iterator[None]:
-    """Where what is done meanwhile fails, take away all that was added to mesh objects by then.
+    """If the block fails, remove all that it added to mesh objects.
 
-    That is vertex groups, attributes, shape keys, and texts and images of the file; what the meshes
-    remember is as before. What was there already has to be written last, when nothing can fail.
+    That is vertex groups, attributes, shape keys, and texts and images of the file. The records of
+    the meshes are restored. Things that existed before are not, so the block has to write them
+    last, when nothing can fail.
     """
     before = [_Parts.of(obj) for obj in objects]
     texts, images = (set(each.keys()) for each in (bpy.data.texts, bpy.data.images))

@@ -1,4 +1,4 @@
-"""What the user chooses of a segmentation."""
+"""The choices in the sidebar that are about segments."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Exaggerating several poses alike."""
+"""Exaggerating several poses alike (caricature)."""
 
 from collections.abc import Sequence
 

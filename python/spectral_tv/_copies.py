@@ -1,4 +1,4 @@
-"""Copies and pickles of what the native module makes."""
+"""Copying and pickling the classes of the native module."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Labelling the parts of shapes."""
+"""Labelling the same parts of several shapes (co-segmentation)."""
 
 from collections.abc import Sequence
 

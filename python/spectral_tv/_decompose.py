@@ -1,4 +1,4 @@
-"""Splitting a shape into scales."""
+"""Splitting a shape into bands."""
 
 from typing import Unpack
 

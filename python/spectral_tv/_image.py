@@ -1,4 +1,4 @@
-"""Splitting an image into scales."""
+"""Splitting an image into bands."""
 
 from typing import Literal, Unpack
 

@@ -1,4 +1,4 @@
-"""The options that functions share: their types, defaults, and which method takes which."""
+"""The options that functions share: their types, their defaults, and which method takes which."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

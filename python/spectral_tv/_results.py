@@ -1,4 +1,4 @@
-"""Results that hold numbers and arrays alone."""
+"""Classes of results that hold numbers and arrays alone."""
 
 from dataclasses import dataclass, field
 from typing import Any

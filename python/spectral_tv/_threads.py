@@ -1,4 +1,4 @@
-"""How many threads work has within a block."""
+"""Setting the number of threads within a block."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

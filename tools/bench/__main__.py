@@ -1,6 +1,6 @@
 """Measure the library against what one would write without it, as ratios in one run.
 
-Takes about an hour; on meshes of one's own less.
+Takes up to two hours; on meshes of one's own less.
 """
 
 from __future__ import annotations

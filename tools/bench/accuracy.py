@@ -1,4 +1,4 @@
-"""The same accuracy of M1's bands, in whatever steps each needs."""
+"""The time that M1's bands of the same accuracy take, in as many steps as each side needs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The BLAS that CHOLMOD runs on: OpenBLAS, or the reference that Debian installs by itself."""
+"""The BLAS that CHOLMOD runs on: OpenBLAS, or the reference BLAS that is Debian's default."""
 
 from __future__ import annotations
 

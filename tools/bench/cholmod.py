@@ -1,8 +1,8 @@
 """The paper's semi-implicit steps in SciPy with CHOLMOD: what one would write without this library.
 
-The gradient and CHOLMOD's analysis are worked out once, and a step takes one factorization. Its
-matrix is written down as the product it is, or, with more care, by a map from face weights to its
-entries that is worked out once too.
+The gradient and CHOLMOD's analysis are computed once, and a step takes one factorization. The plain
+version computes its matrix as a product of matrices. The careful version maps face weights to the
+entries of the matrix; the map is computed once.
 """
 
 from __future__ import annotations

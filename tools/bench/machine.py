@@ -1,4 +1,4 @@
-"""What the measurements were made on and with."""
+"""The machine, and the versions of programs, that the measurements were made with."""
 
 from __future__ import annotations
 

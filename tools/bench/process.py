@@ -1,4 +1,4 @@
-"""One flow in a process of its own: its time, and the peak memory of the process."""
+"""One flow in a process of its own: its time, and the process's peak memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Times of works that are run in turn, so that they share whatever else the machine does."""
+"""Times of computations that run in turn, so that other load slows all of them alike."""
 
 from __future__ import annotations
 

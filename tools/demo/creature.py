@@ -1,4 +1,4 @@
-"""A small armoured dragon: a closed mesh with features at every scale."""
+"""A small armoured dragon: a closed mesh with features of every size."""
 
 from __future__ import annotations
 

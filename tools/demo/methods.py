@@ -1,4 +1,4 @@
-"""Pictures of what each method is for, of the .blend that the demo leaves.
+"""Pictures of what each method is for, from the .blend that the demo leaves.
 
 python -m tools.demo.methods CREATURE.blend DIRECTORY
 """

@@ -1,4 +1,4 @@
-"""Figure 16: what too few steps do to the bands, as all-pass filters are exact here."""
+"""Figure 16: the error of the bands with too few steps. All-pass filters are exact here."""
 
 from __future__ import annotations
 

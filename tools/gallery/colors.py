@@ -1,4 +1,4 @@
-"""Values as colors."""
+"""Values and labels as colors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where pictures go, and which meshes there are."""
+"""The folders of pictures, and the meshes of the gallery."""
 
 from __future__ import annotations
 

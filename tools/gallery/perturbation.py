@@ -1,4 +1,4 @@
-"""Figures 2 and 7: what M3 flows, in color, and the shapes that its filters give."""
+"""Figures 2 and 7: the function that M3 flows, in color, and the shapes that its filters give."""
 
 from __future__ import annotations
 

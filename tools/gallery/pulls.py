@@ -1,4 +1,4 @@
-"""What is held and pulled in the figures of deformations."""
+"""The parts that are held and pulled in the figures of deformations."""
 
 from __future__ import annotations
 

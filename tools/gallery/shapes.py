@@ -1,4 +1,4 @@
-"""The surfaces that the figures are about: generated ones, and those of a folder of meshes."""
+"""The surfaces of the figures: generated ones, and those of a folder of meshes."""
 
 from __future__ import annotations
 

@@ -5,9 +5,9 @@
     python results.py compare FILE FILE…    say how far each other file is from the first
 
 The meshes come from a file, as NumPy's sines differ between platforms. A difference is that of the
-largest entries, relative to the largest entry; more than 1e-10 is a failure, but for one result
-that magnifies rounding: where the last bit of some of the dumbbell's coordinates changes, on one
-platform, its eigenset test changes by 2e-10.
+largest entries, relative to the largest entry. More than TOLERANCE is a failure. TOLERANCES has the
+results with another bound: the eigenset test of the dumbbell magnifies rounding. On one platform it
+changes by 2e-10 if the last bit of some coordinates changes.
 """
 
 import sys

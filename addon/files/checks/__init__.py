@@ -1,6 +1,6 @@
-"""Whether a file is whole, by what its format says of its own length, or how it ends.
+"""Checks whether a file is whole, by the length that its format states or by the way it ends.
 
-It tells a file that was cut short, wherever; it does not judge what is in it.
+They detect a file that was cut short anywhere. They do not judge its content.
 """
 
 import struct

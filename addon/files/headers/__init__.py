@@ -1,4 +1,4 @@
-"""What picture files say of themselves, before their pixels: Blender tells little of it."""
+"""The headers of picture files, of which Blender tells little."""
 
 import struct
 import zlib

@@ -1,4 +1,4 @@
-"""What the headers of all formats come to."""
+"""What the headers of all formats are read into."""
 
 from dataclasses import dataclass, field
 

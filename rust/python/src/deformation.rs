@@ -1,4 +1,4 @@
-//! What is deformed and constrained, and the function that starts to deform once.
+//! The shape and the constraints of a deformation, and the function that starts one.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Pickles: each object as named arrays and numbers, and back.
 //!
-//! What is read is checked as any other input is, by the constructors that the library offers for
-//! it, so that no pickle, however it came about, gives an object that could not be.
+//! What is read is checked like any other input, by the library's own constructors. So no pickle,
+//! whatever its origin, gives an object that the library itself would refuse to make.
 
 use ndarray::{Array2, ArrayView2};
 use numpy::Element;

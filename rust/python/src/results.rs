@@ -1,4 +1,4 @@
-//! Results that hold numbers and arrays alone: they are classes of the package, made here.
+//! Results that hold numbers and arrays alone: makes objects of the package's own classes.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -1,4 +1,4 @@
-//! Options by their keywords: what the mathematics makes of them, and what is known of each.
+//! Python's keywords to the settings of the library, and what is known of each option and method.
 
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::IntoPyObjectExt;

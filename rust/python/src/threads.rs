@@ -1,7 +1,7 @@
 //! How many threads work has, and the threads themselves.
 //!
-//! None of it relies on the pool that rayon keeps for a whole process: after a fork its threads are
-//! missing, and whoever asks it for anything waits for ever.
+//! Nothing here relies on rayon's pool for the whole process. After a fork that pool has no
+//! threads, and whoever asks it for anything waits for ever.
 
 use std::cell::Cell;
 use std::num::NonZero;

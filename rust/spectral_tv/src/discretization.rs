@@ -1,4 +1,4 @@
-//! The operators of one mesh and what solving with them needs, built once and shared by all steps.
+//! The operators of one mesh and what solving with them needs: built once, shared by all steps.
 
 use std::sync::OnceLock;
 

@@ -1,5 +1,5 @@
-//! Work that threads share: how much one takes at a time, and sums that do not depend on how many
-//! there are.
+//! Work that threads share: how much each takes at a time, and sums that do not depend on the
+//! number of threads.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
-//! What the operating system is asked for: memory, and how much of it there is.
+//! What the operating system is asked for: memory, and how much of it is free.
 //!
 //! All unsafe code of the project is here: an allocator ([`Heap`]) in front of the system's, and
-//! the foreign functions that tell how much memory is free where no file does.
+//! the foreign functions that tell how much memory is free, where no file tells it.
 
 mod heap;
 mod physical;

@@ -1,4 +1,4 @@
-//! Memory that is set aside, for work to get to where it can end if the system has no more.
+//! Memory that is set aside. If the system has no more, work goes on with it to where it can end.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};

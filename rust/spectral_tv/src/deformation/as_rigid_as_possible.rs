@@ -1,6 +1,8 @@
-//! Sorkine and Alexa 2007, "As-Rigid-As-Possible Surface Modeling", for comparison, with the energy
-//! of Chao et al. 2010, "A Simple Geometric Model for Elastic Deformations" ("spokes and rims"),
-//! which obtuse triangles do not make negative.
+//! As-rigid-as-possible deformation, for comparison (Sorkine and Alexa 2007, "As-Rigid-As-Possible
+//! Surface Modeling").
+//!
+//! The energy is that of Chao et al. 2010, "A Simple Geometric Model for Elastic Deformations"
+//! ("spokes and rims"). It stays positive with obtuse triangles.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use ndarray::Array2;

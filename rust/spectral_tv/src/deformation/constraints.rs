@@ -1,4 +1,4 @@
-//! What a deformation is given: where some vertices go, exactly or softly.
+//! The constraints of a deformation: where some vertices go, exactly or softly.
 
 use nalgebra::Vector3;
 use ndarray::Array2;

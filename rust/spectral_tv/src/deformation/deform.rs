@@ -1,4 +1,4 @@
-//! One deformation, by the algorithm of choice.
+//! One deformation, by the chosen algorithm.
 
 use ndarray::Array2;
 

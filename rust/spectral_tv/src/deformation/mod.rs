@@ -1,9 +1,9 @@
-//! Deformation: some vertices are moved, and the surface follows in rigid pieces, the stretch
-//! going to its bottlenecks (Brokman et al. 2024, section "Shape Deformation").
+//! Deformation: some vertices are moved, and the surface follows in rigid pieces. The stretch goes
+//! to its bottlenecks (Brokman et al. 2024, section "Shape Deformation").
 //!
-//! What is sought is the displacement d = S′ − S of least total variation among those that meet
-//! the constraints. [`Deformer`] solves that convex problem; the other algorithms are for
-//! comparison. A new one is a file, a variant of [`Algorithm`] and an arm in `deform`.
+//! The result is the displacement d = S′ − S of least total variation among those that meet the
+//! constraints. [`Deformer`] solves that convex problem; the other algorithms are for comparison. A
+//! new algorithm is a file, a variant of [`Algorithm`] and an arm in `deform`.
 
 mod as_rigid_as_possible;
 mod constraints;

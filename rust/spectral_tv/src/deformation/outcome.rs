@@ -1,4 +1,4 @@
-//! What a deformation gives.
+//! The result of a deformation.
 
 use ndarray::Array2;
 

@@ -1,4 +1,4 @@
-//! Quadratic energies of the displacement, and the linear deformations they give.
+//! Quadratic energies of the displacement, and the linear deformations that minimise them.
 
 use ndarray::{Array2, ArrayView1};
 use sprs::CsMatI;

@@ -1,4 +1,4 @@
-//! The rotation that fits best.
+//! The rotation that best fits given vectors to others.
 
 use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 

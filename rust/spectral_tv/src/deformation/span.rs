@@ -1,4 +1,4 @@
-//! The directions in which displacements differ: often a single one.
+//! The directions that the targets of a deformation span, often a single one.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use ndarray::Array2;

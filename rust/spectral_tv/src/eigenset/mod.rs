@@ -1,5 +1,7 @@
-//! Whether a set is an eigenset of NETV: whether the function that is 1 on it and constant off it
-//! is an eigenfunction, which fades in a straight line under the flow (Brokman et al. 2024).
+//! Tests whether a set is an eigenset of NETV (Brokman et al. 2024).
+//!
+//! The function that is 1 on an eigenset, and another constant off it, is an eigenfunction: it
+//! fades in a straight line under the flow.
 
 mod criterion;
 mod decay;

@@ -1,10 +1,13 @@
-//! The length of a set's boundary, whatever the triangles it runs along.
+//! The length of a set's boundary, independent of the triangles that it crosses.
 //!
-//! TV of an indicator, and the length of its contour, are some 10 % too long on most meshes, as
-//! both follow the triangles. What crosses the boundary in a short time of diffusion does not
-//! (Ledoux 1994 for heat; here one implicit step): ∫_{M∖C} (I − r²Δ)⁻¹ χ_C = r/2 per(C) + O(r³).
-//! Where the surface flares within some edges, as at a short neck, that is too long instead; the
-//! smaller of both is taken.
+//! The TV of an indicator and the length of its contour both follow the triangles. On most meshes
+//! they are some 10 % too long. The amount that crosses the boundary in a short time of diffusion
+//! does not follow the triangles (Ledoux 1994 for heat; here one implicit step):
+//!
+//! ∫_{M∖C} (I − r²Δ)⁻¹ χ_C = r/2 per(C) + O(r³).
+//!
+//! Where the surface flares within some edges, as at a short neck, this gives too long a boundary
+//! instead. So the smaller of both is taken.
 
 use ndarray::{Array2, Axis};
 

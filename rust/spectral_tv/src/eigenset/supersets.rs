@@ -1,4 +1,4 @@
-//! Sets that contain a set, as candidates for a smaller perimeter.
+//! Supersets of a set, as candidates for a smaller perimeter.
 
 use std::collections::HashSet;
 

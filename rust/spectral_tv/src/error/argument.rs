@@ -1,4 +1,4 @@
-//! Arguments that cannot be used: which one, which rule it breaks, and by which value.
+//! Errors about arguments: which argument, which rule it breaks, and by which value.
 
 use std::borrow::Cow;
 use std::fmt::{self, Debug, Display, Formatter};

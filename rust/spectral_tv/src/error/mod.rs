@@ -1,4 +1,4 @@
-//! What can go wrong, said so that the caller finds the place.
+//! Errors, which tell the caller where the fault is.
 
 mod argument;
 

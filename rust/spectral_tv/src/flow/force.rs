@@ -1,4 +1,4 @@
-//! What drives a step: the weights of a law at given gradients, and their Laplacian.
+//! The force of a step: the weights of a law at given gradients, and their Laplacian.
 
 use ndarray::{Array2, ArrayView2, Zip};
 

@@ -1,4 +1,4 @@
-//! What drives a flow: u_t = −M(u)⁻¹ L(w(u)) u.
+//! The law of a flow, u_t = −M(u)⁻¹ L(w(u)) u: its weights w and its masses M.
 
 use ndarray::ArrayView2;
 

@@ -1,4 +1,4 @@
-//! The law's energy along a line of states.
+//! The energy of a law along a line of states.
 
 use crate::flow::law::Law;
 use crate::operators::{Gradient, SideBySide};

@@ -1,8 +1,8 @@
-//! The mean of every connected component, which L(w) leaves alone: a step's increment x has
-//! Σ m x = Σ m (û − u) there.
+//! The mean of every connected component. L(w) does not change it, so the increment x of a step has
+//! Σ m x = Σ m (û − u) on each component.
 //!
-//! Long steps lose it to rounding, all the more on components that are small: M is then nothing
-//! beside τ L, and in single precision far sooner than in double.
+//! Long steps lose the mean to rounding, most of all on small components: there M is negligible
+//! beside τ L. In single precision that happens far sooner than in double.
 
 use std::ops::Range;
 

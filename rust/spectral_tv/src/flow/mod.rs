@@ -1,7 +1,7 @@
-//! Flows u_t = −p(u), u(0) = f: what drives them, and how a step is taken.
+//! Flows u_t = −p(u), u(0) = f: the laws that drive them, and the ways to take a step.
 //!
-//! `heat`, `total_variation` and `conformal` are the laws; `semi_implicit` and `proximal` the
-//! ways to step. A new flow is a new law. `laplace_beltrami` knows its states without stepping.
+//! `heat`, `total_variation` and `conformal` are the laws; `semi_implicit` and `proximal` are the
+//! ways to step. A new flow is a new law. `laplace_beltrami` computes its states without steps.
 
 mod conformal;
 mod duality_gap;

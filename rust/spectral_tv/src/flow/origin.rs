@@ -1,6 +1,6 @@
 //! Flows of functions far from 0, such as the positions of a scan in the coordinates of a map.
 //!
-//! A constant takes no part in a flow; left in, it takes digits of all that is computed.
+//! A constant takes no part in a flow. If it is left in, all that is computed loses digits to it.
 
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 

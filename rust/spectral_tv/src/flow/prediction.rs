@@ -1,7 +1,7 @@
-//! What the next step will bring, predicted from the last states: increments, weights, masses.
+//! Predicts the next step from the last states: its increments, weights and masses.
 //!
-//! The variables that are taken as linear in time, and the limits, were found by measuring the
-//! error of bands on real meshes.
+//! Measurements of the error of bands on real meshes decided which variables are taken as linear in
+//! time, and what the limits are.
 
 use ndarray::Array2;
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Flows whose states are known without stepping.
+//! Flows whose states are known without steps.
 
 use ndarray::{Array1, Array2};
 

@@ -1,4 +1,4 @@
-//! One implicit step in time, as a proximal problem: data and a step length.
+//! One implicit step in time as a proximal problem, given by its data and its length.
 
 use ndarray::{Array2, ArrayView2, Zip};
 

@@ -1,4 +1,4 @@
-//! What times a flow can have.
+//! Checks of the times and the numbers of steps of a flow.
 
 use crate::error::{ArgumentError, Result, has_usable_size};
 

@@ -1,4 +1,4 @@
-//! From an image to the flow of its pixels.
+//! Decomposes an image: from its pixels to their flow.
 
 use ndarray::{Array2, Axis};
 

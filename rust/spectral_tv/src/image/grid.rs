@@ -1,11 +1,11 @@
 //! The pixel grid as a triangle mesh.
 //!
-//! One diagonal per cell would make an edge along it up to a third shorter than one across; with
-//! alternating diagonals every other pixel would have twice the area of its neighbours. So every
-//! cell has both pairs of triangles, each counted by half: the total variation is then the mean
-//! over the four corners of every cell of √(dx² + dy²), dx and dy being the differences along the
-//! two sides that meet there. All pixels are alike, and nothing changes if the image is turned by
-//! a right angle or mirrored. Straight edges have their length along the axes; others are too
+//! With one diagonal per cell, an edge along it would be up to a third shorter than one across it.
+//! With alternating diagonals, every other pixel would have twice the area of its neighbours. So
+//! every cell has both pairs of triangles, each counted by half. The total variation is then the
+//! mean over the four corners of every cell of √(dx² + dy²), dx and dy being the differences along
+//! the two sides that meet there. All pixels are alike, and nothing changes if the image is turned
+//! by a right angle or mirrored. Straight edges have their length along the axes. Others are too
 //! long, by up to 19 % where they are one pixel sharp, and 4 % where they are three pixels wide.
 
 use ndarray::Array2;

@@ -1,4 +1,5 @@
-//! What the system, its limits for this process and those of its container leave.
+//! The memory that is available: what the system has free, within the limits of this process and of
+//! its container.
 
 /// Bytes that this process can still take without swapping, where the system tells: the least of
 /// what is free on the machine, what the limits of its address space and of its data leave, and
@@ -20,7 +21,7 @@ mod linux {
 
     use crate::memory::control_groups;
 
-    /// Limits of a process, and what of its status they are limits of.
+    /// Limits of a process in its file `limits`, and the entries of its file `status` that they limit.
     const LIMITS: [(&str, &str); 2] = [
         ("Max address space", "VmSize:"),
         ("Max data size", "VmData:"),

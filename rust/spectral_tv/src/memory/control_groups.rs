@@ -1,7 +1,8 @@
-//! Limits of Linux's control groups, which are those of containers, services and cluster jobs.
+//! Limits of Linux's control groups: those of containers, services and cluster jobs.
 //!
-//! A process is in a group of the hierarchy that limits memory: the first version's, or the
-//! second's, of which there is one for everything. The limits of all groups around it hold as well.
+//! A process belongs to one group of each hierarchy. In version 1 of control groups memory has a
+//! hierarchy of its own; version 2 has one for everything. The limits of all enclosing groups hold
+//! too.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ struct Version {
     /// Bytes that may be used; any of them, and no number where there is no limit.
     limits: &'static [&'static str],
     used: &'static str,
-    /// Of the file `memory.stat`, what is given back before a limit is felt.
+    /// Entries of the file `memory.stat` with memory that the system reclaims before a limit counts.
     reclaimable: &'static [&'static str],
 }
 

@@ -1,4 +1,4 @@
-//! How much memory there is, and large arrays that are refused where it does not suffice.
+//! How much memory there is. Large arrays are refused if it does not suffice.
 
 mod available;
 #[cfg(target_os = "linux")]

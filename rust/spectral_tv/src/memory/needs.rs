@@ -1,6 +1,6 @@
-//! How much memory works take, before they start.
+//! How much memory work takes, estimated before it starts.
 //!
-//! What is kept (states, eigenfunctions) is counted; what matrices, factors and hierarchies take
+//! What is kept (states, eigenfunctions) is counted. What matrices, factors and hierarchies take
 //! besides was fitted to the peaks of processes that worked on 10 000 to 400 000 vertices.
 
 use crate::memory::NUMBER;

@@ -1,4 +1,4 @@
-//! Which vertices hang together.
+//! The connected components of a mesh.
 
 use petgraph::unionfind::UnionFind;
 

@@ -1,4 +1,4 @@
-//! What is probably a mistake about a mesh.
+//! Doubts about a mesh: what is probably a mistake.
 
 use std::fmt::{self, Display, Formatter};
 

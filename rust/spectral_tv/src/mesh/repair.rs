@@ -1,4 +1,4 @@
-//! From vertices and triangles as they come to those of a mesh.
+//! Checks and repairs given vertices and triangles, so that they make a mesh.
 
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 //! How accurate a decomposition is for its number of steps.
 //!
-//! A filter that passes everything has to give the shape back, and the paper measures accuracy
-//! by what it leaves out (Brokman et al. 2024, Sec. 9.2). With the transform of
-//! [`crate::spectral`] nothing is left out at any step, so what tells is the difference of the
-//! bands to those of a refined flow. Both are measured, for the steps asked for and for the
-//! paper's.
+//! A filter that passes everything has to give the shape back. The paper measures accuracy by what
+//! that filter leaves out (Brokman et al. 2024, Sec. 9.2). With the transform of
+//! [`crate::spectral`] it leaves out nothing, however long the steps are. So here the measure is
+//! the difference of the bands from those of a refined flow. Both are measured, for the steps asked
+//! for and for the paper's.
 
 use ndarray::{Array2, Axis};
 

@@ -1,4 +1,4 @@
-//! As many steps as an accuracy of the bands takes.
+//! The number of steps that a given accuracy of the bands needs.
 
 use ndarray::Array2;
 

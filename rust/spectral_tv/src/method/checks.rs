@@ -1,4 +1,4 @@
-//! Which settings make sense.
+//! Checks of settings.
 
 use crate::error::{ArgumentError, Result};
 use crate::flow::{Scheme, check_steps, no_exact_steps};

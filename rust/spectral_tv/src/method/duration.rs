@@ -1,4 +1,4 @@
-//! How long a decomposition takes, by the pace of this machine.
+//! How long a decomposition takes, estimated from the pace of this machine.
 
 use std::sync::OnceLock;
 use std::time::Instant;

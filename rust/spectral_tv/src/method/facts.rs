@@ -1,4 +1,4 @@
-//! What is known of each method: the one table that checks, estimates, messages and front ends read.
+//! The table of the properties of each method; checks, estimates, messages and front ends read it.
 
 use crate::method::Method;
 use crate::named::{Named, named, quoted};

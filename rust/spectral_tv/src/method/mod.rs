@@ -1,8 +1,9 @@
-//! The methods that decompose a shape: which function is flowed, by which law, and how a
+//! The methods that decompose a shape. A method says which function flows, by which law, and how a
 //! filtered function becomes a shape again.
 //!
 //! A new method is a variant of [`Method`], a row in `facts`, and an arm in `representation`, or in
-//! `decompose` if it takes no steps. A new option is a field of [`Settings`] and a row of [`OPTIONS`].
+//! `decompose` if it takes no steps. A new option is a field of [`Settings`] and a row of
+//! [`OPTIONS`].
 
 mod accuracy;
 mod adaptive_steps;

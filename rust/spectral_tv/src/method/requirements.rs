@@ -1,4 +1,4 @@
-//! What a decomposition takes, before it starts.
+//! What a decomposition takes, estimated before it starts.
 
 use crate::error::Result;
 use crate::memory::needs;

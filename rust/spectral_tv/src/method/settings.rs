@@ -1,4 +1,4 @@
-//! What to decompose by.
+//! The settings of a decomposition.
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,5 @@
-//! E(u) = ½‖u − û‖²_M + τ Σ_f A_f Ψ(|∇u|), Ψ′(n) = n w(n): what an implicit step of a flow
-//! minimises, and a deformation.
+//! E(u) = ½‖u − û‖²_M + τ Σ_f A_f Ψ(|∇u|), Ψ′(n) = n w(n): the energy that an implicit step of a
+//! flow minimises, and a deformation too.
 
 use ndarray::{Array2, ArrayView2};
 

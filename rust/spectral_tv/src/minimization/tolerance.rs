@@ -1,4 +1,4 @@
-//! What a caller may ask of an iteration.
+//! Checks the tolerance that a caller asks of an iteration.
 
 use crate::error::{ArgumentError, Result};
 

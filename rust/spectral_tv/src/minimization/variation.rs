@@ -1,4 +1,4 @@
-//! Ψ: how a gradient of size n = |∇u| counts.
+//! Ψ, the weighting of a gradient of size n = |∇u|.
 
 use std::ops::RangeInclusive;
 

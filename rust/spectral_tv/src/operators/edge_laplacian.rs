@@ -1,7 +1,7 @@
-//! L(w) by its edges: L u = Σ_j c_ij (u_i − u_j), the couplings c gathered from the faces.
+//! L(w) by its edges: L u = Σ_j c_ij (u_i − u_j). The couplings c are gathered from the faces.
 //!
-//! Everything is gathered, nothing scattered: threads share the work and results do not depend
-//! on how.
+//! Every value is gathered and none scattered. So threads can share the work, and the results do
+//! not depend on how they do.
 
 use ndarray::{Array2, ArrayViewMut2, Axis};
 use rayon::prelude::*;

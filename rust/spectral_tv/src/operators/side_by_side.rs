@@ -1,5 +1,5 @@
-//! Channels side by side at every vertex, so that a pass over faces or edges finds all of them
-//! where it finds one.
+//! Stores the channels of a function side by side at every vertex, so that one pass over faces or
+//! edges reads all of them together.
 
 use std::borrow::Cow;
 

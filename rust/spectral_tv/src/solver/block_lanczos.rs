@@ -1,8 +1,8 @@
 //! The largest eigenpairs of a symmetric operator, by block Lanczos iteration.
 //!
-//! Blocks find all vectors of a multiple eigenvalue, as symmetric shapes have them, and the
-//! basis is kept orthogonal to rounding. faer's Krylov–Schur iteration, which goes vector by
-//! vector, can neither be watched nor interrupted.
+//! Symmetric shapes have multiple eigenvalues, and blocks find all vectors of each. The basis is
+//! kept orthogonal to rounding. faer's Krylov–Schur iteration, which goes vector by vector, can
+//! neither be watched nor interrupted.
 
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;

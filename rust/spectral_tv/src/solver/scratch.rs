@@ -1,8 +1,9 @@
-//! What faer's products of matrices keep on every thread: arrays of the size of the processor's
-//! last cache, twice, as it reckons: some dozens of megabytes, of which little is ever touched.
+//! The scratch memory of faer's matrix products, on every thread: two arrays of the size that faer
+//! assumes for the processor's last cache. That is some dozens of megabytes, of which little is
+//! used.
 //!
-//! They are made at the first product of a thread, and where they cannot be had, the process ends.
-//! So every thread has them before it needs them, if there is room for all.
+//! faer makes them at the first product of a thread, and ends the process if it cannot. So every
+//! thread makes them before it needs them, if there is room for all.
 
 use std::cell::Cell;
 use std::thread;

@@ -1,4 +1,4 @@
-//! In what order a surface is joined.
+//! The order of the operations that join a surface.
 
 use crate::mesh::weld::surface::Surface;
 use crate::mesh::weld::{coincident, junctions, near};

@@ -1,4 +1,4 @@
-//! Corners that lie on an edge: junctions in the form of a T.
+//! T-junctions: corners that lie on an edge.
 
 use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
-//! Joining surfaces along open edges that lie on one another.
+//! Joins surfaces along open edges that lie on one another.
 //!
-//! Corners at the same place become one; then those that are near one another do, and edges are
-//! split at corners that lie on them, until nothing more is found. What comes out does not depend on
-//! the order of vertices or triangles, as all is treated in the order of places.
+//! Corners at the same place become one. Then corners near one another become one, and edges are
+//! split at corners that lie on them, until nothing more is found. All is treated in the order of
+//! places, so the result does not depend on the order of vertices or triangles.
 
 mod coincident;
 mod joining;

@@ -1,5 +1,5 @@
-//! Orders of elimination by nested dissection (George 1973): both sides of a separator, which do
-//! not know of each other, and then the separator.
+//! Orders of elimination by nested dissection (George 1973): first both sides of a separator, which
+//! do not depend on each other, and then the separator.
 
 use sprs::CsMatI;
 

@@ -1,8 +1,8 @@
-//! The numbers of a factorization: front by front, units side by side.
+//! Numeric factorization: front by front, with units side by side.
 //!
-//! Multifrontal (Duff and Reid 1983, Liu 1992): the front of a supernode sums what the matrix has
-//! in its columns and what those below leave over; its columns are eliminated, and what they
-//! leave over is for the one above.
+//! The method is multifrontal (Duff and Reid 1983, Liu 1992). The front of a supernode is the sum
+//! of the matrix's entries in its columns and of the updates from the supernodes below. Its columns
+//! are eliminated, and the remaining update goes to the supernode above.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,8 +1,8 @@
 //! Dense kernels on the fronts of supernodes: columns of a triangle, one after another in memory.
 //!
-//! Sums run in one order whatever the width of registers. Everything is inlined into a caller
-//! that the processor's instructions are chosen for; `FUSED` says whether these multiply and add
-//! at once.
+//! Sums have the same order whatever the width of registers. All functions are inlined into a
+//! caller that is compiled for the processor's instructions. `FUSED` says whether these multiply
+//! and add at once.
 
 /// Columns that are eliminated before those to their right are updated.
 const BLOCK: usize = 8;

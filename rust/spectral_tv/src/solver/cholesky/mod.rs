@@ -1,10 +1,10 @@
 //! Sparse Cholesky factorization: symbolic once for a pattern, numeric for every matrix.
 //!
-//! Patterns are faer's, and its orders where shapes fall apart by themselves; even, compact
-//! meshes take half of the work in orders of nested dissection, which it has not. Its numeric
-//! factorization goes through the supernodes one by one; those of a surface are small and many,
-//! and the elimination tree has room for all threads from some thousand vertices on. So these
-//! parts are our own.
+//! The symbolic analysis is faer's. So are the orders for shapes with limbs. On even, compact
+//! meshes orders of nested dissection, which faer does not have, halve the work. faer's numeric
+//! factorization goes through the supernodes one by one. Those of a surface are small and many, and
+//! from some thousand vertices on the elimination tree has work for all threads. So nested
+//! dissection and the numeric factorization are our own.
 
 mod dissection;
 mod factor;

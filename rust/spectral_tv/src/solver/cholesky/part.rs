@@ -1,4 +1,4 @@
-//! Parts that a graph falls into.
+//! Parts of a graph.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;

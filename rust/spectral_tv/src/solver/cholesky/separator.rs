@@ -1,5 +1,5 @@
-//! Smallest separators of a graph: by Menger's theorem there are as many paths without a common
-//! vertex as the separator has vertices. Paths are found depth first, towards the other side
+//! Smallest separators of a graph. By Menger's theorem a smallest separator has as many vertices as
+//! there are paths without a common vertex. Paths are found depth first, towards the other side
 //! (Pothen and Fan 1990, for matchings).
 
 use crate::error::Result;
@@ -48,9 +48,11 @@ pub(super) fn separate(part: &Part, sides: &mut [Side], stage: Stage) -> Result<
     Ok(())
 }
 
-/// Paths through a band from its first side to its second, and what a further one can do: it
-/// enters vertex v (state 2 v), leaves it (state 2 v + 1) if no path goes through it, and else
-/// goes on where that path came from, which in turn takes another way on.
+/// Paths through a band from its first side to its second, and the search for a further one.
+///
+/// The search enters vertex v (state 2 v). If no path goes through v, it leaves v for any neighbour
+/// (state 2 v + 1). If a path goes through v, the search goes back along that path to the vertex
+/// before v, and leaves that one another way.
 struct Paths {
     starts: Vec<u32>,
     /// Of each vertex, those near to the second side first.

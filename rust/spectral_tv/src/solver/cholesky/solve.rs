@@ -1,4 +1,4 @@
-//! Solutions from a factor: up the tree with L, down again with Lᵀ, for L functions at once.
+//! Solves with a factor: up the tree with L, down again with Lᵀ, for several functions at once.
 
 use ndarray::{ArrayView2, ArrayViewMut2};
 use pulp::{Arch, Simd, WithSimd};

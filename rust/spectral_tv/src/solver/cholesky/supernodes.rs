@@ -1,5 +1,5 @@
-//! What a factorization of matrices of one pattern will look like: the order of elimination,
-//! and columns with like patterns, taken together.
+//! The symbolic factorization of a pattern: the order of elimination, and supernodes, columns with
+//! like patterns that are treated together.
 
 use faer::Side;
 use faer::perm::PermRef;

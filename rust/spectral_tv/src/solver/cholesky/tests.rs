@@ -1,4 +1,4 @@
-//! What the factorization promises.
+//! Tests of what the factorization promises.
 
 use ndarray::{Array2, arr2};
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Walks through the tree of units: side by side where they do not depend on each other.
+//! Walks through the tree of units; units that do not depend on each other run side by side.
 
 use rayon::prelude::*;
 

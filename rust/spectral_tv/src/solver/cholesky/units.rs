@@ -1,5 +1,5 @@
-//! The elimination tree in units of work: what one thread does by itself, and what of it waits
-//! for what.
+//! Units: parts of the elimination tree, each the work of one thread. The tree of units says which
+//! of them wait for which.
 
 use sprs::CsMatI;
 

@@ -1,5 +1,5 @@
-//! The same as [`super::front`] for fronts with many columns to eliminate: by faer, whose blocked
-//! products pay from some dozens of columns on.
+//! The kernels of [`super::front`] for fronts with many columns to eliminate. They use faer, whose
+//! blocked products pay from some dozens of columns on.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{

@@ -1,8 +1,8 @@
-//! Which vertices of a level become one of the next: small clusters of strongly coupled ones.
+//! Groups the vertices of a level into those of the next: small clusters of strongly coupled ones.
 //!
-//! Greedy aggregation (Vaněk, Mandel and Brezina 1996, "Algebraic multigrid by smoothed
-//! aggregation for second and fourth order elliptic problems"), each part of the rows for
-//! itself, so that parts are done side by side.
+//! Greedy aggregation (Vaněk, Mandel and Brezina 1996, "Algebraic multigrid by smoothed aggregation
+//! for second and fourth order elliptic problems"). The rows are divided into parts, and each part
+//! is aggregated by itself, so that threads work on parts side by side.
 
 use rayon::prelude::*;
 

@@ -1,5 +1,5 @@
-//! The matrix of the next level, PᵀKP: where everything goes is worked out once, the values of
-//! every later matrix of the pattern then flow through two passes of multiply and add.
+//! The matrix of the next level, PᵀKP. The places of all entries are found once for a pattern.
+//! Later matrices of the pattern then take two passes of multiply and add.
 
 use rayon::prelude::*;
 

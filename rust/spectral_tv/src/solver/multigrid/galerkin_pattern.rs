@@ -1,4 +1,4 @@
-//! The patterns of KP and of PᵀKP, and where every product of entries goes in them.
+//! The patterns of KP and of PᵀKP, and the place of every product of entries in them.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! Symmetric matrices in rows of whole octets, and their product with vectors.
 //!
-//! K x = m x − Σ_j c_ij (x_j − x_i): by differences, so that constants cost no digits and row
-//! sums m stay exact beside couplings c a million times larger.
+//! K x = m x − Σ_j c_ij (x_j − x_i). By differences constants cost no digits, and the row sums m
+//! stay exact beside couplings c a million times larger.
 
 use rayon::prelude::*;
 

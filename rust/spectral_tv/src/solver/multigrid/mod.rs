@@ -1,16 +1,16 @@
 //! Conjugate gradients preconditioned by algebraic multigrid, in single precision.
 //!
-//! For K = M + τ L(w), whose pattern stays and whose values change from step to step: orders,
-//! clusters, patterns and maps are worked out once, a new matrix only sends its values through
-//! them, and vertices are clustered anew when convergence has suffered. Smoothed aggregation
-//! (Vaněk, Mandel and Brezina 1996) with sparse prolongations and symmetric Gauss–Seidel.
-//! Single precision is enough where the solution is an increment: it is solved for to 2e-6 of
-//! itself, and it is a fraction of the state.
+//! The systems are K = M + τ L(w). Their pattern stays, and their values change from step to step.
+//! So orders, clusters, patterns and maps are computed once, and a new matrix only sends its values
+//! through them. Vertices are clustered anew if convergence has suffered. The method is smoothed
+//! aggregation (Vaněk, Mandel and Brezina 1996) with sparse prolongations and symmetric
+//! Gauss–Seidel. Single precision is enough if the solution is an increment: the solution has a
+//! relative error of 2e-6, and it is a fraction of the state.
 //!
-//! Crates with such solvers exist (`scirs2-sparse`, `nalgebra-sparse-linalg`, `numr`), and are
+//! Crates with such solvers exist (`scirs2-sparse`, `nalgebra-sparse-linalg`, `numr`). They are
 //! general: they set up in double precision, for each matrix anew, and solve for one vector at a
-//! time. Here set-up is shared by all steps, three channels travel in one register, and memory
-//! traffic, which is what a step costs, is halved by precision; hence an own implementation.
+//! time. Here all steps share the set-up, and three channels travel in one register. A step costs
+//! memory traffic, and single precision halves it. Hence an implementation of our own.
 
 mod aggregation;
 mod coarsest;

@@ -1,7 +1,7 @@
 //! Conjugate gradients, preconditioned by V-cycles, on the functions of all lanes at once.
 //!
-//! Every lane has step lengths of its own; all stop together, once the error of their sum is
-//! small against the solution, both in the energy norm.
+//! Every lane has step lengths of its own. All lanes stop together, as soon as the sum of their
+//! errors is small against the sum of their solutions, both in the energy norm.
 
 use rayon::prelude::*;
 

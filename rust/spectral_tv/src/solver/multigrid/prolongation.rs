@@ -1,8 +1,9 @@
-//! P, from a level to the next finer one, and its transpose.
+//! P, the prolongation from a level to the next finer one, and its transpose.
 //!
 //! A step of damped Jacobi on the strong couplings smooths the indicator functions of the
-//! aggregates; the four largest weights of each row are kept and made to sum to 1, so that
-//! constants stay constants. Which are kept is decided once, their values follow the matrix.
+//! aggregates. The four largest weights of each row are kept and made to sum to 1, so that
+//! constants stay constants. Which weights are kept is decided once; their values follow the
+//! matrix.
 
 use rayon::prelude::*;
 

@@ -1,9 +1,10 @@
 //! Gauss–Seidel sweeps, in parts that threads work on side by side.
 //!
-//! Within a part values are taken as soon as they are known, across parts as they were before
-//! the sweep. The diagonals of rows with couplings across are enlarged by half the sum of these
-//! (Baker, Falgout, Kolev and Yang 2011, "Multigrid smoothers for ultraparallel computing"), so
-//! that a sweep never raises the energy, whatever the signs of the couplings.
+//! Within a part a sweep uses new values as soon as they are known. From other parts it uses the
+//! values before the sweep. The diagonals of rows with couplings to other parts are enlarged by
+//! half the sum of these couplings (Baker, Falgout, Kolev and Yang 2011, "Multigrid smoothers for
+//! ultraparallel computing"). So a sweep never raises the energy, whatever the signs of the
+//! couplings.
 
 use rayon::prelude::*;
 

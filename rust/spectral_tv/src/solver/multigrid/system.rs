@@ -1,4 +1,4 @@
-//! Between a system as its owner has it and as the levels do: other order, other precision.
+//! Converts a system between its owner's order and precision and those of the levels.
 
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;

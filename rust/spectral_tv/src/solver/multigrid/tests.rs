@@ -1,4 +1,4 @@
-//! What the solver as a whole promises.
+//! Tests of what the solver as a whole promises.
 
 use ndarray::Array2;
 use sprs::CsMatI;

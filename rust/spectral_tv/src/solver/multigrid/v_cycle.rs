@@ -1,4 +1,5 @@
-//! One symmetric V-cycle: pre-smooth, restrict the residual, correct by the next level, post-smooth.
+//! One symmetric V-cycle: pre-smooth, restrict the residual, correct by the next level,
+//! post-smooth.
 
 use crate::solver::multigrid::hierarchy::Hierarchy;
 use crate::solver::multigrid::matrix::{Dot, Lanes};
