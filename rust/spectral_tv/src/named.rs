@@ -40,9 +40,20 @@ pub(crate) fn quoted(names: &[&str], link: &str) -> String {
     }
 }
 
-/// Gives variants their names.
+/// An enum whose variants have names: each stands with its name, for an argument of that name.
 macro_rules! named {
-    ($type:ident, $argument:literal, $($variant:ident = $name:literal),+ $(,)?) => {
+    (
+        $(#[$meta:meta])*
+        pub enum $type:ident: $argument:literal {
+            $($(#[$variant_meta:meta])* $variant:ident = $name:literal,)+
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+        pub enum $type {
+            $($(#[$variant_meta])* $variant,)+
+        }
+
         impl crate::named::Named for $type {
             const ARGUMENT: &'static str = $argument;
             const NAMES: &'static [(Self, &'static str)] = &[$((Self::$variant, $name)),+];

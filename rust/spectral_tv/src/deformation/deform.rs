@@ -18,34 +18,25 @@ use crate::monitor::Stage;
 use crate::named::named;
 use crate::operators::{positions, total_variation};
 
-/// ε of the dual field that certifies a displacement, relative to its mean gradient.
-const CERTIFICATE_SMOOTHING: f64 = 1e-3;
-
-/// How a deformation is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Algorithm {
-    /// The convex problem itself: least TV(d), to a duality gap.
-    #[default]
-    Convex,
-    /// Algorithm 1 of Brokman et al. 2024: reweighted least squares of the subgradient.
-    Paper,
-    /// Least ∫|∇d|²: linear.
-    Harmonic,
-    /// Least ∫|Δd|²: linear, smooth at the handles.
-    Biharmonic,
-    /// As-rigid-as-possible surface modeling (Sorkine and Alexa 2007).
-    AsRigidAsPossible,
+named! {
+    /// ε of the dual field that certifies a displacement, relative to its mean gradient.
+    const CERTIFICATE_SMOOTHING: f64 = 1e-3;
+    
+    /// How a deformation is found.
+    pub enum Algorithm: "algorithm" {
+        /// The convex problem itself: least TV(d), to a duality gap.
+        #[default]
+        Convex = "convex",
+        /// Algorithm 1 of Brokman et al. 2024: reweighted least squares of the subgradient.
+        Paper = "paper",
+        /// Least ∫|∇d|²: linear.
+        Harmonic = "harmonic",
+        /// Least ∫|Δd|²: linear, smooth at the handles.
+        Biharmonic = "biharmonic",
+        /// As-rigid-as-possible surface modeling (Sorkine and Alexa 2007).
+        AsRigidAsPossible = "arap",
+    }
 }
-
-named!(
-    Algorithm,
-    "algorithm",
-    Convex = "convex",
-    Paper = "paper",
-    Harmonic = "harmonic",
-    Biharmonic = "biharmonic",
-    AsRigidAsPossible = "arap",
-);
 
 /// How to deform.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,17 +14,16 @@ use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
 use crate::named::named;
 
-/// The law by which a function flows, in the metric of the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Operator {
-    /// u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), channels coupled.
-    #[default]
-    TotalVariation,
-    /// u_t = Δu (Eq. 12).
-    Heat,
+named! {
+    /// The law by which a function flows, in the metric of the mesh.
+    pub enum Operator: "operator" {
+        /// u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), channels coupled.
+        #[default]
+        TotalVariation = "tv",
+        /// u_t = Δu (Eq. 12).
+        Heat = "heat",
+    }
 }
-
-named!(Operator, "operator", TotalVariation = "tv", Heat = "heat");
 
 impl Operator {
     fn law(self, operators: &Discretization, values: &Array2<f64>) -> Result<Box<dyn Law>> {

@@ -14,26 +14,19 @@ use crate::monitor::Stage;
 use crate::named::named;
 use crate::solver::{Demand, Solver};
 
-/// How a step takes its weights.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Scheme {
-    /// Extrapolated to the end of the step, with BDF2 and one correction by the same matrix: a
-    /// sixth of the lagged error for a third more time.
-    #[default]
-    Extrapolated,
-    /// At the last state, with backward Euler: the paper's step.
-    Lagged,
-    /// Every step a proximal step, to a duality gap. For TV flows only.
-    Exact,
+named! {
+    /// How a step takes its weights.
+    pub enum Scheme: "scheme" {
+        /// Extrapolated to the end of the step, with BDF2 and one correction by the same matrix: a
+        /// sixth of the lagged error for a third more time.
+        #[default]
+        Extrapolated = "extrapolated",
+        /// At the last state, with backward Euler: the paper's step.
+        Lagged = "lagged",
+        /// Every step a proximal step, to a duality gap. For TV flows only.
+        Exact = "exact",
+    }
 }
-
-named!(
-    Scheme,
-    "scheme",
-    Extrapolated = "extrapolated",
-    Lagged = "lagged",
-    Exact = "exact"
-);
 
 /// How the steps of a flow are taken, and their systems solved.
 #[derive(Debug, Clone, Copy, PartialEq)]

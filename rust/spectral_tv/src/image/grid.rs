@@ -14,23 +14,22 @@ use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
 use crate::named::named;
 
-/// How many times every cell is covered.
-pub(super) const COVER: f64 = 2.0;
-
-/// Triangles for each pixel, but for those of two sides.
-pub(super) const TRIANGLES: usize = 4;
-
-/// What lengths on an image are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Metric {
-    /// Those of the plane, in pixels: spectral TV.
-    #[default]
-    Flat,
-    /// Those on the graph of the image, (x, y, s f) for a color f: spectral ATV.
-    Surface,
+named! {
+    /// How many times every cell is covered.
+    pub(super) const COVER: f64 = 2.0;
+    
+    /// Triangles for each pixel, but for those of two sides.
+    pub(super) const TRIANGLES: usize = 4;
+    
+    /// What lengths on an image are.
+    pub enum Metric: "metric" {
+        /// Those of the plane, in pixels: spectral TV.
+        #[default]
+        Flat = "flat",
+        /// Those on the graph of the image, (x, y, s f) for a color f: spectral ATV.
+        Surface = "surface",
+    }
 }
-
-named!(Metric, "metric", Flat = "flat", Surface = "surface");
 
 /// The grid of an image of `rows` by `columns` pixels with the values (C, rows × columns), on its
 /// graph: of a height by which the values are multiplied by `scale`, in pixels; 0 for the plane.

@@ -3,18 +3,6 @@
 use crate::method::Method;
 use crate::named::{Named, named, quoted};
 
-named!(
-    Method,
-    "method",
-    ShapeTv = "m1",
-    ConformalLaplace = "m2",
-    DirectionalTv = "m3",
-    Naive = "naive",
-    Heat = "heat",
-    LaplaceBeltrami = "lb",
-    Displacement = "displacement",
-);
-
 /// What is known of a method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facts {

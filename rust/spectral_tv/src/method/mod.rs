@@ -35,25 +35,26 @@ pub use requirements::decomposition_memory;
 pub use schedule::graded_times;
 pub use settings::Settings;
 
-/// A method of decomposing a shape into scales.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Method {
-    /// M1, shape spectral TV: the coordinates together, in the metric of the shape (Brokman et al.
-    /// 2024, Sec. 7.3).
-    #[default]
-    ShapeTv,
-    /// M2, conformalized P-Laplace (Sec. 7.4).
-    ConformalLaplace,
-    /// M3, directional TV: the displacement from a smooth base (Sec. 7.5).
-    DirectionalTv,
-    /// Each coordinate by its own TV flow; squares shapes along the axes (Sec. 7.2).
-    Naive,
-    /// Linear heat flow of the coordinates, for comparison.
-    Heat,
-    /// The eigenfunctions of the Laplace–Beltrami operator (Vallet and Lévy 2008), for
-    /// comparison: components are ordered by 1/λ, the first is what the eigenpairs do not hold.
-    LaplaceBeltrami,
-    /// The whole displacement from a smooth base as one component, S + k (S − Ŝ) if amplified
-    /// (Cignoni, Scopigno and Tarini 2005), for comparison.
-    Displacement,
+named! {
+    /// A method of decomposing a shape into scales.
+    pub enum Method: "method" {
+        /// M1, shape spectral TV: the coordinates together, in the metric of the shape (Brokman et al.
+        /// 2024, Sec. 7.3).
+        #[default]
+        ShapeTv = "m1",
+        /// M2, conformalized P-Laplace (Sec. 7.4).
+        ConformalLaplace = "m2",
+        /// M3, directional TV: the displacement from a smooth base (Sec. 7.5).
+        DirectionalTv = "m3",
+        /// Each coordinate by its own TV flow; squares shapes along the axes (Sec. 7.2).
+        Naive = "naive",
+        /// Linear heat flow of the coordinates, for comparison.
+        Heat = "heat",
+        /// The eigenfunctions of the Laplace–Beltrami operator (Vallet and Lévy 2008), for
+        /// comparison: components are ordered by 1/λ, the first is what the eigenpairs do not hold.
+        LaplaceBeltrami = "lb",
+        /// The whole displacement from a smooth base as one component, S + k (S − Ŝ) if amplified
+        /// (Cignoni, Scopigno and Tarini 2005), for comparison.
+        Displacement = "displacement",
+    }
 }

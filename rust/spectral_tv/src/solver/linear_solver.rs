@@ -11,43 +11,36 @@ use crate::parallel;
 use crate::solver::graph::Graph;
 use crate::solver::{Cholesky, Multigrid, Symbolic};
 
-/// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
-/// exact.
-const SMALL: usize = 10_000;
-/// Number of unknowns from which multigrid is taken without a look at their couplings, as it
-/// takes less memory; and the same for several solutions of single functions, where a
-/// factorization takes two thirds of the time at 300 000, but half as much memory again.
-const LARGE: usize = 100_000;
-const HUGE: usize = 400_000;
-/// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
-/// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
-/// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
-/// same, and an even lattice 67 at 17 000, where multigrid takes two thirds. All of this in
-/// orders of minimum degree, whichever is taken.
-const LARGE_FILL: f64 = 50.0;
-/// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
-/// much as the first, and twice as many for single functions, which do not fill its registers.
-const MORE_FILL: f64 = 12.0;
-
-/// How linear systems are solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Solver {
-    /// By what is faster at the size at hand.
-    #[default]
-    Auto,
-    /// By factorization: exact to rounding, for small meshes and as the reference.
-    Cholesky,
-    /// By conjugate gradients with multigrid: linear in time and memory.
-    Multigrid,
+named! {
+    /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
+    /// exact.
+    const SMALL: usize = 10_000;
+    /// Number of unknowns from which multigrid is taken without a look at their couplings, as it
+    /// takes less memory; and the same for several solutions of single functions, where a
+    /// factorization takes two thirds of the time at 300 000, but half as much memory again.
+    const LARGE: usize = 100_000;
+    const HUGE: usize = 400_000;
+    /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
+    /// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
+    /// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
+    /// same, and an even lattice 67 at 17 000, where multigrid takes two thirds. All of this in
+    /// orders of minimum degree, whichever is taken.
+    const LARGE_FILL: f64 = 50.0;
+    /// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
+    /// much as the first, and twice as many for single functions, which do not fill its registers.
+    const MORE_FILL: f64 = 12.0;
+    
+    /// How linear systems are solved.
+    pub enum Solver: "solver" {
+        /// By what is faster at the size at hand.
+        #[default]
+        Auto = "auto",
+        /// By factorization: exact to rounding, for small meshes and as the reference.
+        Cholesky = "cholesky",
+        /// By conjugate gradients with multigrid: linear in time and memory.
+        Multigrid = "multigrid",
+    }
 }
-
-named!(
-    Solver,
-    "solver",
-    Auto = "auto",
-    Cholesky = "cholesky",
-    Multigrid = "multigrid"
-);
 
 impl Solver {
     /// Whether systems of so many unknowns are solved by iteration, whatever couples them.
