@@ -85,7 +85,7 @@ impl Mesh {
             warn(py, &mesh.findings().dropped())?;
         }
         for doubt in doubts {
-            warn(py, &doubt.to_string())?;
+            warn(py, &with_keyword(&doubt.to_string()))?;
         }
         Ok(Self {
             inner: Arc::new(mesh),
@@ -244,6 +244,12 @@ fn length(weld: &Bound<'_, PyAny>) -> PyResult<f64> {
         return Err(PyTypeError::new_err(message));
     }
     f64::read("weld", weld)
+}
+
+/// What the library says of a doubt, with the keyword that cures it.
+fn with_keyword(doubt: &str) -> String {
+    let doubt = doubt.replace("; weld with a length", "; pass weld=, a length");
+    doubt.replace("; weld with ", "; pass weld=")
 }
 
 /// Warns whoever called.

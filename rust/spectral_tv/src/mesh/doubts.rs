@@ -85,32 +85,32 @@ impl Display for Doubt {
                     (Some(edges), true) => write!(
                         f,
                         "{open} of {} edges are open and {} corners coincide with others: the \
-                         triangles are not joined, so they will drift apart; pass weld=0",
+                         triangles are not joined, so they will drift apart; weld with 0",
                         grouped(*edges),
                         grouped(*coincident)
                     ),
                     (Some(edges), false) => write!(
                         f,
                         "{open} of {} edges are open and {share} of these nearly touch others: the \
-                         triangles are not joined, so they will drift apart; pass weld={weld:e}",
+                         triangles are not joined, so they will drift apart; weld with {weld:e}",
                         grouped(*edges)
                     ),
                     (None, true) => write!(
                         f,
                         "{share} of {open} open edges lie on one another: the surface is torn \
-                         there and will come apart; pass weld=0"
+                         there and will come apart; weld with 0"
                     ),
                     (None, false) => write!(
                         f,
                         "{share} of {open} open edges nearly touch one another: the surface is torn \
-                         there and will come apart; pass weld={weld:e}"
+                         there and will come apart; weld with {weld:e}"
                     ),
                 }
             }
             Self::Alone { open_edges, edges } => write!(
                 f,
                 "{} of {} edges are open: hardly any triangle is joined to another, so they will \
-                 drift apart; pass weld=, a length beyond the gaps between them",
+                 drift apart; weld with a length beyond the gaps between them",
                 grouped(*open_edges),
                 grouped(*edges)
             ),

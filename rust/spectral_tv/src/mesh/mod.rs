@@ -11,9 +11,8 @@ mod weld;
 use std::ops::RangeInclusive;
 use std::sync::{Arc, OnceLock};
 
-use rayon::prelude::*;
-
 use crate::error::{Error, Result};
+use crate::parallel;
 use components::surface_count;
 pub(crate) use components::{component_count, components_of};
 pub use doubts::Doubt;
@@ -136,10 +135,9 @@ impl TriangleMesh {
     ) -> Result<Self> {
         let lengths = |t: usize| raw_lengths(&vertices, &triangles, own_lengths.as_deref(), t);
         let enlargement = enlargement(&triangles, lengths);
-        let face_areas: Vec<f64> = (0..triangles.len())
-            .into_par_iter()
-            .map(|t| face_area(enlarged(triangles[t], lengths(t), enlargement)))
-            .collect();
+        let face_areas = parallel::values(triangles.len(), |t| {
+            face_area(enlarged(triangles[t], lengths(t), enlargement))
+        });
         let area = face_areas.iter().sum::<f64>();
         if !USABLE_AREAS.contains(&area) {
             return Err(Error::Unusable(format!(

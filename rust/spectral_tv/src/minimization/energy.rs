@@ -5,7 +5,7 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::discretization::Discretization;
 use crate::error::Result;
-use crate::minimization::fields::{TangentField, inner_products};
+use crate::minimization::fields::{TangentField, inner_products, scaled};
 use crate::minimization::line_search::least_along;
 use crate::monitor::Stage;
 use crate::operators::{FaceVector, inner_product, squared_norm};
@@ -42,7 +42,7 @@ impl Slope {
     pub fn fluxes(mut self) -> TangentField {
         for channel in &mut self.gradients {
             for (vector, weight) in channel.iter_mut().zip(&self.weights) {
-                *vector = vector.map(|component| weight * component);
+                *vector = scaled(*weight, *vector);
             }
         }
         self.gradients
@@ -62,7 +62,7 @@ impl Energy<'_> {
     /// −E′(u) = −(M(u − û) + τ Gᵀ A w ∇u), (C, V); 0 at fixed vertices.
     pub fn descent(&self, state: ArrayView2<f64>, slope: &Slope) -> Array2<f64> {
         self.descent_along(state, |channel, face| {
-            slope.gradients[channel][face].map(|component| slope.weights[face] * component)
+            scaled(slope.weights[face], slope.gradients[channel][face])
         })
     }
 

@@ -5,6 +5,12 @@ use crate::operators::FaceVector;
 /// One tangent vector per channel and face, C × F.
 pub type TangentField = Vec<Vec<FaceVector>>;
 
+/// `factor` times a vector.
+#[inline]
+pub fn scaled(factor: f64, [x, y]: FaceVector) -> FaceVector {
+    [factor * x, factor * y]
+}
+
 /// ⟨a, b⟩ on every face, over all channels.
 pub fn inner_products(a: &TangentField, b: &TangentField) -> Vec<f64> {
     let mut products = vec![0.0; a[0].len()];

@@ -10,7 +10,7 @@ use sprs::CsMatI;
 use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::minimization::energy::{Energy, Slope};
-use crate::minimization::fields::{TangentField, clipping_factors, inner_products};
+use crate::minimization::fields::{TangentField, clipping_factors, inner_products, scaled};
 use crate::monitor::Stage;
 use crate::operators::{FaceVector, element_stiffness, pin};
 use crate::solver::{Cholesky, conjugate_gradients};
@@ -176,7 +176,7 @@ impl PrimalDualNewton {
         for channel in &mut field {
             for (face, z) in channel.iter_mut().enumerate() {
                 if !energy.is_steep(slope.weights[face]) {
-                    *z = z.map(|component| clip[face] * component);
+                    *z = scaled(clip[face], *z);
                 }
             }
         }
@@ -235,10 +235,12 @@ fn apply_hessian(
         let flux = gradient.adjoint(|face| {
             let weight = slope.weights[face];
             let (z, g) = (dual[channel][face], slope.gradients[channel][face]);
-            std::array::from_fn(|axis| {
+            let (change, bend) = (changes[channel][face], energy.bend(weight));
+            let component = |axis: usize| {
                 let coupling = z[axis] * along_gradient[face] + g[axis] * along_dual[face];
-                weight * (changes[channel][face][axis] - 0.5 * energy.bend(weight) * coupling)
-            })
+                weight * (change[axis] - 0.5 * bend * coupling)
+            };
+            [component(0), component(1)]
         });
         for ((value, mass), flux) in row.iter_mut().zip(energy.masses).zip(flux) {
             *value = mass * *value + energy.tau * flux;
