@@ -27,8 +27,8 @@ def accuracy(
     filter, as in the paper's figure of the reconstruction error, and of the bands against a
     refined flow.
 
-    An all-pass filter that gives the shape back says nothing about the flow, as the package's does
-    so at any step; the error of the bands does.
+    The package's all-pass filter gives the shape back at any step, so its error says nothing about
+    the flow. The error of the bands does.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def accuracy(
     scales : (float, float), optional
         The finest and the largest scale, length²; see `graded_times`. Default: the method's.
     refinement : int
-        The refined flow has so many times the most steps, at least 2.
+        How many times as many steps the refined flow has as the largest of `steps`; at least 2.
     scheme, tolerance, solver, p, base, base_time, metric
         As `decompose` takes them; the paper's steps are "lagged".
 

@@ -21,11 +21,11 @@ def caricature(
     steps: int = STEPS,
     progress: Progress | None = None,
 ) -> Job[list[NDArray[np.float64]]]:
-    """Exaggerate one band of several shapes alike, and smooth away what is finest (Brokman et al.
+    """Exaggerate one band of several shapes alike, and remove the finest detail (Brokman et al.
     2024, the figures of the armadillo).
 
-    Each shape is decomposed by itself, over the method's default times. These and the filter are
-    relative to its area, so that poses and sizes of one shape get the same.
+    Each shape is decomposed by itself, over the method's default times. The times and the filter
+    are relative to its area, so they are the same for all poses and sizes of one shape.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def caricature(
     gain : float
         What the band is multiplied by.
     smooth : float
-        What vanishes before this t/area, and is not in the band, is removed.
+        Detail that vanishes before this t/area, and is not in the band, is removed.
     method : {"m3", "m1", "m2", "naive", "heat"}
         As in `decompose`.
     steps : int

@@ -37,26 +37,26 @@ def decompose(
         component (Cignoni, Scopigno and Tarini 2005).
     times : (N+1,) array, optional
         Increasing from 0, length². Default: `steps` times, evenly spaced at first and then in
-        log t, up to 3e-3 of the area for "m1", "naive" and "heat", 1e-2 for "m2" and 1e-3 for
-        "m3": from skin to hands and feet, to whole limbs, to plates and muscles. For "lb" from
-        half the last 1/λ on, up to 3e-3 of the area or more. None for "displacement".
+        log t, up to 3e-3 of the area for "m1", "naive" and "heat" (hands and feet), 1e-2 for
+        "m2" (whole limbs) and 1e-3 for "m3" (plates and muscles). For "lb" from half the last
+        1/λ on, up to 3e-3 of the area or more. None for "displacement".
     steps : int
-        The number of steps N, where no times are given.
+        The number of steps N, if no times are given.
     progress : callable, optional
         Called with the fraction done; an exception it raises ends the work.
     accuracy : float, optional
-        Take as many steps as the bands need to have this error, relative to their size and the
-        mean of five; `steps` is then of no account, and times that are given are cut into more.
-        0.1 is hardly seen, 0.02 is fine. The estimate takes two flows at least, of 12 and 24
-        steps, and each that follows has up to four times the steps of the one before.
+        Take as many steps as are needed for this error of the bands: the mean over five bands,
+        relative to their size. `steps` is then ignored, and given times are subdivided. 0.1 is
+        hardly visible, 0.02 is fine. To find the number takes at least two flows, of 12 and 24
+        steps. Each further flow has up to four times the steps of the one before.
     scheme : {"extrapolated", "lagged", "exact"}
         How steps take their weights; see `flow`. "exact" is for "naive", "m1" and "m3".
     tolerance : float
         Relative duality gap of exact steps, in (0, 1).
     solver : {"auto", "cholesky", "multigrid"}
-        How the linear systems of steps are solved: by what is faster at the mesh's size, by
-        factorization, or by conjugate gradients with multigrid to 2e-6 of each increment.
-        Exact steps are always solved by factorization.
+        How the linear systems of steps are solved. "cholesky": by factorization. "multigrid": by
+        conjugate gradients with multigrid, to 2e-6 of each increment. "auto": by the faster of
+        both for the mesh. Exact steps are always solved by factorization.
     p : {3, 2, 1}
         The P of "m2". Only 3 is zero-homogeneous.
     base : (V, 3) array, optional
@@ -65,10 +65,11 @@ def decompose(
     base_time : float, optional
         How far that flow goes, length². Default: 5e-3 of the area.
     eigenpairs : int
-        How many "lb" uses, the lowest; all of them if the mesh has no more. See `eigenpairs`.
+        How many of the lowest eigenpairs "lb" uses; all, if the mesh has fewer. See `eigenpairs`.
     metric : {"surface", "base"}
-        Whose metric drives the flow of "m3": the mesh's or its base's. With a flat base a height
-        field is an image, and these are its spectral ATV and its spectral TV (Sec. 9.3).
+        The metric in which "m3" flows: that of the mesh or that of its base. With a flat base a
+        height field is an image. Then "surface" gives its spectral ATV, "base" its spectral TV
+        (Sec. 9.3).
 
     Returns
     -------
@@ -98,15 +99,15 @@ def estimate(
 ) -> Estimate:
     """Estimate what `decompose` takes with the same arguments.
 
-    That refuses by itself what does not fit. The first call times a small flow, for some hundredths
-    of a second.
+    `decompose` itself refuses work that does not fit. The first call of `estimate` times a small
+    flow, for some hundredths of a second.
 
     Parameters
     ----------
     mesh : Mesh or int
         A mesh, or the number of vertices of one that has twice as many triangles.
     method, times, steps and others
-        As `decompose` takes them. Where an accuracy decides on the steps, the estimate is of the
+        As `decompose` takes them. If an accuracy decides on the steps, the estimate is for the
         first two flows, the least that it takes.
 
     Returns

@@ -32,11 +32,11 @@ def deform(
     ----------
     mesh : Mesh
     indices : (K,) array of integers, or (V,) array of bools
-        The constrained vertices, those included that stay; or True for each of them.
+        The constrained vertices, with those that stay where they are; or True for each of them.
     targets : (K, 3) array
         Where they go.
     weights : (K,) array, optional
-        In (0, 1]: 1, the default, is exact; less is a spring. See `Deformer`.
+        In (0, 1]: 1, the default, is an exact constraint; less is a spring. See `Deformer`.
     softness : float
         Width of the stretched zone, a length; for "convex" only.
     tolerance : float

@@ -16,13 +16,13 @@ def eigenset_test(
 ) -> Job[EigensetTest]:
     """Test whether a set of vertices is an eigenset of NETV.
 
-    That is a set whose indicator, up to a constant, is an eigenfunction, which fades in a straight
-    line (Brokman et al. 2024).
+    The indicator of an eigenset is, up to a constant, an eigenfunction. It fades in a straight line
+    (Brokman et al. 2024). Three things are tested:
 
-    Three things are tested: that the function keeps one value on the set and one off it under the
-    exact flow, that the first falls at the rate λ = per/area in a straight line, and that no set
-    around it has a smaller perimeter, in relation to what it leaves out of the surface. Those sets
-    are samples: a set that passes may still have one.
+    - Under the exact flow the function keeps one value on the set and one off it.
+    - The value on the set falls in a straight line, at the rate λ = per/area.
+    - No superset has a smaller perimeter, relative to the area outside it. Only samples of
+      supersets are tried, so a set that passes may still have such a superset.
 
     Parameters
     ----------
@@ -60,15 +60,15 @@ def eigenpairs(
     ----------
     mesh : Mesh
     count : int
-        Number of eigenpairs K; V if the mesh has no more. The time grows with the square of it,
-        and about twice as many functions are held in memory.
+        Number of eigenpairs K; V if the mesh has no more. The time grows with the square of K,
+        and memory holds about 2 K functions.
     progress : callable, optional
         Called with the fraction done; an exception it raises ends the work.
 
     Returns
     -------
     (K,) array
-        The eigenvalues λ, rising from 0, 1/length². 0 as often as the mesh has components.
+        The eigenvalues λ, rising from 0, 1/length². 0 comes once for each component of the mesh.
     (V, K) array
         The eigenfunctions, 1/length; Uᵀ diag(mesh.vertex_areas) U = 1 (a vertex in no triangle
         counts with the mean area).

@@ -36,8 +36,8 @@ def flow(
     operator : {"tv", "heat"}
         "tv" is u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), "heat" u_t = Δu (Eq. 12).
     exact : bool
-        Every step a proximal step to the gap `tolerance`: eigenfunctions then decay in a
-        straight line down to extinction.
+        Whether every step is a proximal step, solved to the gap `tolerance`. Eigenfunctions then
+        decay in a straight line down to extinction.
     progress : callable, optional
         Called with the fraction done; an exception it raises ends the work.
     scheme : {"extrapolated", "lagged"}

@@ -23,10 +23,10 @@ def decompose_image(
     height: float = 32.0,
     **options: Unpack[StepOptions],
 ) -> Job[Flow]:
-    """Split an image into bands by spectral TV, its channels together.
+    """Split an image into bands by spectral TV, all channels together.
 
-    Each pixel cell counts as the mean over its four corners of √(dx² + dy²), so that turning or
-    mirroring the image changes nothing. Lengths are in pixels.
+    The total variation of a cell of pixels is the mean over its four corners of √(dx² + dy²). So
+    turning or mirroring the image changes nothing. Lengths are in pixels.
 
     Parameters
     ----------
@@ -39,9 +39,10 @@ def decompose_image(
         more area and change more slowly, so that strong detail outlasts faint detail by more.
     times : (N+1,) array, optional
         Increasing from 0, value × pixel. In the plane a disc of the radius r that stands out by h
-        is gone at t = h r/2. Default: `steps` times, evenly spaced at first and then in log t,
-        from what a spot takes that is a tenth of a pixel wide and stands out by the image's whole
-        contrast, to one that is a quarter of the shorter side wide.
+        is gone at t = h r/2. Default: `steps` times, evenly spaced at first and then in log t.
+        They go from the time at which a spot a tenth of a pixel wide is gone, to the time at
+        which one a quarter of the shorter side wide is gone. Both spots stand out by the image's
+        whole contrast.
     steps : int
         The number of steps N, where no times are given.
     progress : callable, optional

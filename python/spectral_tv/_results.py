@@ -71,14 +71,14 @@ class Estimate:
     Attributes
     ----------
     bytes : int
-        Memory at the peak, beside that of the mesh; within a half of it.
+        Memory at the peak, beside that of the mesh. Right to within a half.
     available : int | None
         Memory that this process could take when this was estimated: what is free, and what the
         limits of a container, a cluster's job or the process leave. None where the system does not
         tell.
     seconds : float
-        Time to wait: from half to twice as long on an idle machine, by the threads that
-        `set_threads` and `use_threads` allow.
+        Time that the work takes on an idle machine, right to within a factor of two. It is for
+        the number of threads that `set_threads` and `use_threads` allow.
     """
 
     bytes: int
@@ -95,9 +95,10 @@ class Estimate:
 class Accuracy(_Result):
     """How the errors of a decomposition fall with the number of steps, measured by `accuracy`.
 
-    Those of the package's steps and transform, and under `paper_` those of the paper's: weights
-    lagged by a step, and the residual R = T p(u(T)) + u(T) with p taken at u(T) (Brokman et al.
-    2024, Eq. 53), whose all-pass filter does not give the shape back.
+    Attributes without a prefix are of the package's steps and transform. Those with `paper_` are of
+    the paper's: weights lagged by a step, and the residual R = T p(u(T)) + u(T) with p taken at
+    u(T) (Brokman et al. 2024, Eq. 53). The all-pass filter of the paper's does not give the shape
+    back.
 
     Attributes
     ----------
@@ -116,8 +117,8 @@ class Accuracy(_Result):
     paper_bands : array
         The same of the paper's steps, (n, V), length.
     relative : array
-        L² error of each band over the surface, relative to the band's norm; to 1e-12 of the
-        largest where a band has less, (n, K).
+        L² error of each band over the surface, (n, K). Relative to the band's norm, but at least
+        to 1e-12 of the largest norm.
     paper_relative : array
         The same of the paper's steps, (n, K).
     """
@@ -141,12 +142,13 @@ class EigensetTest(_Result):
     area : float
         |C|, length².
     perimeter : float
-        per(C), length: measured by diffusion over two to four edges, so that it does not follow
-        the triangles, or along them where that is shorter. Narrower sets are measured too short.
+        per(C), length. It is the smaller of two lengths: one measured by diffusion over two to
+        four edges, which does not follow the triangles, and one along the triangles. Narrower
+        sets are measured too short.
     eigenvalue : float
         λ = per(C)/|C|, 1/length.
     rate : float
-        How fast the value on C falls under the exact flow: what λ is found to be, 1/length.
+        How fast the value on C falls under the exact flow, 1/length: λ as measured.
     straightness : float
         R² of that fall as a straight line, down to extinction.
     spread : float
@@ -159,14 +161,14 @@ class EigensetTest(_Result):
         an eigenset.
     perimeter_ratio : float
         The least per(D)/|M∖D| over the supersets D of C that were tried, relative to
-        per(C)/|M∖C|. An eigenset's is not below 1, but for discretization.
+        per(C)/|M∖C|. For an eigenset it is at least 1, up to discretization.
     superset : bool array
         The superset that has this ratio, (V,) bool.
     minimal_perimeter : bool
         Whether C is a locally minimal perimeter set as far as was tried: the ratio is at least
         0.98.
     is_eigenset : bool
-        Whether all of it speaks for an eigenset: a minimal perimeter, a straightness of at least
+        Whether C passes all tests of an eigenset: a minimal perimeter, a straightness of at least
         0.999, a rate within 15 % of the eigenvalue, a spread of at most 0.2.
     """
 
@@ -195,8 +197,9 @@ class Deformation(_Result):
     total_variation : float
         TV of the displacement, length².
     gap : float
-        How far the energy can be above the least, relative to itself: a duality gap, so a proof.
-        Of algorithms that do not minimise TV it says how far from the optimum they ended.
+        A bound on how far the energy is above the least, relative to itself: a duality gap, so a
+        proof. For algorithms that do not minimise TV it tells how far from the optimum they
+        ended.
     iterations : int
         Number of iterations.
     unconstrained : int64 array

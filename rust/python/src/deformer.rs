@@ -23,8 +23,8 @@ use crate::pickling::{Parts, Pickled, Writer};
 
 /// A mesh and the vertices that are constrained, to be deformed again and again.
 ///
-/// Every deformation starts from the last one, and what the linear systems have in common is
-/// worked out once. A copy, and one that was pickled, go on from there, too.
+/// Every deformation starts from the last one. What the linear systems have in common is computed
+/// once. A copy of a deformer, and a pickled one, go on from its last deformation too.
 ///
 /// Parameters
 /// ----------
@@ -66,11 +66,12 @@ impl Deformer {
         Self::with(mesh, handles, softness, None)
     }
 
-    /// Follow handles to new targets by a linear solution that starts from the last shape, and a
-    /// Newton step where a shift has left it behind: what there is time for while they are
-    /// dragged. Within some tenths of a percent of the optimum after a small movement; from rest,
-    /// after a large one or when handles begin to turn it takes some calls, or `solve`. The gap of
-    /// the result tells.
+    /// Follow handles to new targets, fast enough for dragging: a linear solution that starts from
+    /// the last shape, and a Newton step if a shift has left the shape behind.
+    ///
+    /// After a small movement the result is within some tenths of a percent of the optimum. From
+    /// rest, after a large movement or when handles begin to turn, some more calls are needed, or
+    /// `solve`. The gap of the result tells how far it is from the optimum.
     ///
     /// Parameters
     /// ----------

@@ -202,8 +202,9 @@ type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
 /// Long work that runs in a thread of its own.
 ///
 /// Made by the functions whose names begin with `start_`. A job that is no longer referred to
-/// cancels its work. In a process that was forked from the one that started it, it has the result
-/// if it had it then, and raises RuntimeError if not. It cannot be pickled: its result can.
+/// cancels its work. In a process that was forked from the one that started it, a job has its
+/// result if it had it at the fork; otherwise it raises RuntimeError. A job cannot be pickled, but
+/// its result can.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Job {
     task: Task<Convert>,

@@ -32,11 +32,11 @@ use crate::results::Fields;
 /// triangles : (F, 3) array of integers
 ///     Indices of each triangle's corners.
 /// weld : float, optional
-///     A length: surfaces are joined along open edges, which belong to one triangle only, that are
-///     within it of one another. Corners there become one, at their mean, and an edge is split
-///     at the corners of other edges that lie on it, which adds triangles. 0 joins what is at exactly
-///     the same place alone. However long `weld` is, a corner reaches no farther than a quarter of its
-///     shortest edge, so that no edge collapses. Without it all vertices stay as they are.
+///     A length. Surfaces are joined along open edges, those of one triangle only, that are within
+///     this length of one another. Corners there become one, at their mean. An edge is split at
+///     the corners of other edges that lie on it, which adds triangles. 0 joins only what is at
+///     exactly the same place. However long `weld` is, a corner reaches no farther than a quarter
+///     of its shortest edge, so that no edge collapses. By default all vertices stay as they are.
 /// broken : {"refuse", "drop"}
 ///     What becomes of vertices that are not finite, or beyond 1e100: the mesh is refused, or they
 ///     are dropped with all their triangles, with a warning.
@@ -50,9 +50,9 @@ use crate::results::Fields;
 /// Warns
 /// -----
 /// MeshWarning
-///     If vertices were dropped; and of what is probably a mistake: triangles that are not joined,
-///     borders that lie on one another or nearly so, to 1e-5 of the size, and are not welded;
-///     triangles that are there twice; vertices most of which are in no triangle.
+///     If vertices were dropped, or if something is probably a mistake: triangles that are not
+///     joined; borders that lie on one another or nearly so, to 1e-5 of the size, and are not
+///     welded; triangles that are there twice; a mesh most of whose vertices are in no triangle.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Mesh {
     pub inner: Arc<TriangleMesh>,
@@ -124,8 +124,9 @@ impl Mesh {
         arrays::array_of(py, self.inner.vertex_areas())
     }
 
-    /// Which of the N vertices each of those handed in is now, (V,) int64; -1 for one that was
-    /// dropped. `values[mesh.weld_map]` are the values of all of them, where none is -1.
+    /// For each vertex that was handed in, its index among the N vertices of the mesh, (V,) int64;
+    /// -1 for one that was dropped. `values[mesh.weld_map]` takes values of the N vertices to the V
+    /// that were handed in, if none was dropped.
     #[getter]
     fn weld_map<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<i64>>, Failure> {
         match self.inner.weld_map() {

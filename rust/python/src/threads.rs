@@ -104,10 +104,13 @@ fn refusal(name: &str, found: &str) -> Failure {
     ))
 }
 
-/// Does long `work` on threads of its own. In a pool that works share, a thread that waits for a
-/// part of one takes up another from its start, and the first could not even be cancelled until that
-/// ends. All that is not shared out runs on one of them: another's allocator would not have what M3's
-/// base, for one, has freed for its flow.
+/// Does long `work` on threads of its own.
+///
+/// In a pool that several works share, a thread that waits for a part of one work takes up another
+/// work from its start. The first could not even be cancelled until the other ends.
+///
+/// All that is not shared out runs on one of the threads, so that its allocator reuses what has
+/// been freed: M3's flow, for example, takes the memory of M3's base.
 pub fn by_itself<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
     match pool(count, "spectral_tv") {
         Some(pool) => pool.install(work),

@@ -83,9 +83,10 @@ impl Monitor {
         Error::Memory(format!("{what} took more memory than there is; {advice}"))
     }
 
-    /// Grants the work `needed` bytes in all: refuses if the system does not promise them, or less
-    /// than what is needed to end where they turn out not to suffice. What was granted before is
-    /// not asked for again. `what` begins the message, `advice` ends it.
+    /// Grants the work `needed` bytes in all, and sets a reserve aside. If memory runs out all the
+    /// same, the work gets to its next check on the reserve, and ends there. Refuses if the system
+    /// does not promise both. What was granted before is not asked for again. `what` begins the
+    /// message, `advice` ends it.
     ///
     /// # Errors
     /// [`Error::Memory`].
@@ -100,7 +101,7 @@ impl Monitor {
         }
         let ration = match needed {
             ..SMALL => keep_a_little().then_some(None),
-            // By half as much it gets from anywhere to where it looks whether to go on.
+            // Half as much suffices to get from anywhere in the work to its next check.
             _ => {
                 keep_a_little();
                 let bytes = usize::try_from((needed / 2).max(LEAST_RATION)).ok();
@@ -135,8 +136,8 @@ impl Monitor {
         self.granted.store(0, Ordering::Relaxed);
     }
 
-    /// Whether the work has seen that it is cancelled: all that it still does is to free what it
-    /// took.
+    /// Whether the work has seen that it is cancelled. Then all that it still does is to free its
+    /// memory.
     pub fn has_stopped(&self) -> bool {
         self.stopped.load(Ordering::Relaxed)
     }

@@ -17,7 +17,7 @@ const PATCH: f64 = 0.01;
 /// The least κ: reciprocals of it and products with displacements are numbers still.
 const WEAKEST: f64 = 1e-200;
 
-/// Which vertices are constrained, and how firmly; where they go is said anew for each solution.
+/// Which vertices are constrained, and how firmly. Each solution takes targets of its own.
 #[derive(Debug, Clone)]
 pub struct Constraints {
     vertices: Vec<usize>,
@@ -33,7 +33,7 @@ pub struct Constraints {
     is_constrained: Vec<bool>,
 }
 
-/// The displacements that constraints ask for.
+/// The displacements that the constraints ask for.
 #[derive(Debug, Clone)]
 pub(super) struct Targets {
     /// c at constrained vertices, (3, V), or (C, V) in the coordinates of a span.

@@ -21,7 +21,7 @@ mod linux {
 
     use crate::memory::control_groups;
 
-    /// Limits of a process in its file `limits`, and the entries of its file `status` that they limit.
+    /// The limits of a process in `/proc/self/limits`, and the entries of `status` that they limit.
     const LIMITS: [(&str, &str); 2] = [
         ("Max address space", "VmSize:"),
         ("Max data size", "VmData:"),

@@ -14,7 +14,7 @@ struct Version {
     /// Bytes that may be used; any of them, and no number where there is no limit.
     limits: &'static [&'static str],
     used: &'static str,
-    /// Entries of the file `memory.stat` with memory that the system reclaims before a limit counts.
+    /// Entries of the file `memory.stat`: memory that the system reclaims before a limit counts.
     reclaimable: &'static [&'static str],
 }
 

@@ -36,7 +36,7 @@ impl Decomposition {
         })
     }
 
-    /// A decomposition of what another was made of: its transform, the base and the direction (3, V)
+    /// A decomposition from the parts of another: its transform, the base and the direction (3, V)
     /// of M3, the spectrum, N − 1, and the areas of the vertices, V.
     ///
     /// # Errors

@@ -11,8 +11,8 @@ use crate::method::facts::Work;
 use crate::method::schedule::graded_times;
 use crate::method::{Base, Method, Metric};
 
-/// What to decompose by. What a method does not take is of no account if it is as by default, and
-/// refused if not; see [`crate::method::OPTIONS`].
+/// The settings of a decomposition. An option that the method does not take has to have its
+/// default; else it is refused. See [`crate::method::OPTIONS`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// The method.
@@ -20,10 +20,10 @@ pub struct Settings {
     /// N + 1 times from 0, length²; `None`: [`Settings::default_times`], or
     /// [`crate::flow::Eigenpairs::times`].
     pub times: Option<Vec<f64>>,
-    /// The number of steps N, where no times are given.
+    /// The number of steps N, if no times are given.
     pub steps: usize,
-    /// As many steps as this mean error of five even bands takes, relative to the bands; given times
-    /// are cut into more.
+    /// The mean error of five even bands, relative to the bands: as many steps are taken as it
+    /// needs, and given times are subdivided.
     pub accuracy: Option<f64>,
     /// How steps are taken.
     pub stepping: Stepping,
@@ -33,9 +33,9 @@ pub struct Settings {
     pub base: Option<Array2<f64>>,
     /// How long that flow is, length²; `None`: 5e-3 of the area.
     pub base_time: Option<f64>,
-    /// Whose metric drives M3's flow.
+    /// The metric in which M3 flows: that of the shape or of its base.
     pub metric: Metric,
-    /// Number of eigenpairs, the lowest.
+    /// Number of the lowest eigenpairs that are used.
     pub eigenpairs: usize,
 }
 
@@ -115,7 +115,7 @@ impl Settings {
         graded_times(area * finest, area * largest, steps)
     }
 
-    /// Steps that are taken and kept; of an accuracy those of the first two flows.
+    /// Steps that are taken and kept; with an accuracy those of the first two flows.
     pub(super) fn step_count(&self) -> usize {
         let given = self
             .times
@@ -128,7 +128,7 @@ impl Settings {
         }
     }
 
-    /// The number of steps, or of an accuracy the fewest.
+    /// The number of steps; with an accuracy the fewest.
     pub(super) fn fewest_steps(&self) -> usize {
         self.accuracy.map_or(self.steps, |_| FEWEST_STEPS)
     }

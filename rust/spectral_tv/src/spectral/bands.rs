@@ -4,8 +4,8 @@ use crate::error::{ArgumentError, Result};
 
 /// `count` + 1 edges from 0 to t_N that cut the components into bands of equal numbers.
 ///
-/// Every inner edge lies half-way between two neighbouring times: φ_k gathers what happens
-/// between the midpoints around t_k, so nothing is then counted to the wrong side.
+/// Every inner edge lies half-way between two neighbouring times. φ_k gathers what happens between
+/// the midpoints around t_k, so each component lies wholly on one side of an edge.
 ///
 /// # Errors
 /// If `count` is 0 or there are fewer components than bands.
