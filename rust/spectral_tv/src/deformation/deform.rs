@@ -18,10 +18,10 @@ use crate::monitor::Stage;
 use crate::named::named;
 use crate::operators::{positions, total_variation};
 
+/// ε of the dual field that certifies a displacement, relative to its mean gradient.
+const CERTIFICATE_SMOOTHING: f64 = 1e-3;
+
 named! {
-    /// ε of the dual field that certifies a displacement, relative to its mean gradient.
-    const CERTIFICATE_SMOOTHING: f64 = 1e-3;
-    
     /// How a deformation is found.
     pub enum Algorithm: "algorithm" {
         /// The convex problem itself: least TV(d), to a duality gap.

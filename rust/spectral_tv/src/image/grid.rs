@@ -14,13 +14,13 @@ use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
 use crate::named::named;
 
+/// How many times every cell is covered.
+pub(super) const COVER: f64 = 2.0;
+
+/// Triangles for each pixel, but for those of two sides.
+pub(super) const TRIANGLES: usize = 4;
+
 named! {
-    /// How many times every cell is covered.
-    pub(super) const COVER: f64 = 2.0;
-    
-    /// Triangles for each pixel, but for those of two sides.
-    pub(super) const TRIANGLES: usize = 4;
-    
     /// What lengths on an image are.
     pub enum Metric: "metric" {
         /// Those of the plane, in pixels: spectral TV.

@@ -8,21 +8,21 @@ use crate::mesh::open_edges::open_edges;
 use crate::mesh::weld::{check_tolerance, weld};
 use crate::named::named;
 
+/// What is done to a mesh when it is read.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Repair {
+    /// Surfaces are joined along open edges that are within this length of one another; at
+    /// exactly the same place alone for 0; not at all for `None`.
+    ///
+    /// Corners on open edges (of one triangle only) become one where they are within the length,
+    /// the nearest first, and an open edge is split at the corners of others that lie on it.
+    /// However long it is, corners reach no farther than a quarter of their shortest edge.
+    pub weld: Option<f64>,
+    /// What becomes of vertices that are not finite.
+    pub broken: Broken,
+}
+
 named! {
-    /// What is done to a mesh when it is read.
-    #[derive(Debug, Clone, Copy, PartialEq, Default)]
-    pub struct Repair {
-        /// Surfaces are joined along open edges that are within this length of one another; at
-        /// exactly the same place alone for 0; not at all for `None`.
-        ///
-        /// Corners on open edges (of one triangle only) become one where they are within the length,
-        /// the nearest first, and an open edge is split at the corners of others that lie on it.
-        /// However long it is, corners reach no farther than a quarter of their shortest edge.
-        pub weld: Option<f64>,
-        /// What becomes of vertices that are not finite.
-        pub broken: Broken,
-    }
-    
     /// What becomes of vertices that are not finite, or beyond 1e100.
     pub enum Broken: "broken" {
         /// A mesh with one is refused.

@@ -12,14 +12,14 @@ use crate::named::named;
 use crate::operators::positions;
 use crate::solver::Solver;
 
+/// How far cMCF flows for the default base, relative to the surface area, and in how many
+/// steps: enough to swallow limbs and leave a smooth body.
+const BASE_TIME: f64 = 5e-3;
+pub(super) const BASE_STEPS: usize = 10;
+/// Distances from the base below this, relative to the shape's size, have no direction.
+const COINCIDENT: f64 = 1e-12;
+
 named! {
-    /// How far cMCF flows for the default base, relative to the surface area, and in how many
-    /// steps: enough to swallow limbs and leave a smooth body.
-    const BASE_TIME: f64 = 5e-3;
-    pub(super) const BASE_STEPS: usize = 10;
-    /// Distances from the base below this, relative to the shape's size, have no direction.
-    const COINCIDENT: f64 = 1e-12;
-    
     /// The metric g₀ of M3's flow. With a flat base a height field is an image, and its flow that of
     /// spectral TV or of spectral ATV (Brokman et al. 2024, Sec. 9.3).
     pub enum Metric: "metric" {

@@ -1,7 +1,7 @@
 //! The table of the properties of each method; checks, estimates, messages and front ends read it.
 
 use crate::method::Method;
-use crate::named::{Named, named, quoted};
+use crate::named::{Named, quoted};
 
 /// What is known of a method.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -35,6 +35,8 @@ pub use requirements::decomposition_memory;
 pub use schedule::graded_times;
 pub use settings::Settings;
 
+use crate::named::named;
+
 named! {
     /// A method of decomposing a shape into scales.
     pub enum Method: "method" {

@@ -11,25 +11,25 @@ use crate::parallel;
 use crate::solver::graph::Graph;
 use crate::solver::{Cholesky, Multigrid, Symbolic};
 
+/// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
+/// exact.
+const SMALL: usize = 10_000;
+/// Number of unknowns from which multigrid is taken without a look at their couplings, as it
+/// takes less memory; and the same for several solutions of single functions, where a
+/// factorization takes two thirds of the time at 300 000, but half as much memory again.
+const LARGE: usize = 100_000;
+const HUGE: usize = 400_000;
+/// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
+/// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
+/// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
+/// same, and an even lattice 67 at 17 000, where multigrid takes two thirds. All of this in
+/// orders of minimum degree, whichever is taken.
+const LARGE_FILL: f64 = 50.0;
+/// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
+/// much as the first, and twice as many for single functions, which do not fill its registers.
+const MORE_FILL: f64 = 12.0;
+
 named! {
-    /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
-    /// exact.
-    const SMALL: usize = 10_000;
-    /// Number of unknowns from which multigrid is taken without a look at their couplings, as it
-    /// takes less memory; and the same for several solutions of single functions, where a
-    /// factorization takes two thirds of the time at 300 000, but half as much memory again.
-    const LARGE: usize = 100_000;
-    const HUGE: usize = 400_000;
-    /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
-    /// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
-    /// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
-    /// same, and an even lattice 67 at 17 000, where multigrid takes two thirds. All of this in
-    /// orders of minimum degree, whichever is taken.
-    const LARGE_FILL: f64 = 50.0;
-    /// Entries beyond these where a matrix serves several solutions, which cost multigrid about as
-    /// much as the first, and twice as many for single functions, which do not fill its registers.
-    const MORE_FILL: f64 = 12.0;
-    
     /// How linear systems are solved.
     pub enum Solver: "solver" {
         /// By what is faster at the size at hand.
