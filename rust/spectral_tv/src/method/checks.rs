@@ -4,8 +4,7 @@ use crate::error::{ArgumentError, Result};
 use crate::flow::{Scheme, check_steps, no_exact_steps};
 use crate::method::adaptive_steps::check_accuracy;
 use crate::method::facts::{Work, named_where};
-use crate::method::options::OPTIONS;
-use crate::method::settings::Settings;
+use crate::method::options::{OPTIONS, Settings};
 
 impl Settings {
     /// Refuses settings that make no sense, whatever the mesh.

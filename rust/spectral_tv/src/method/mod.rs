@@ -2,8 +2,7 @@
 //! filtered function becomes a shape again.
 //!
 //! A new method is a variant of [`Method`], a row in `facts`, and an arm in `representation`, or in
-//! `decompose` if it takes no steps. A new option is a field of [`Settings`] and a row of
-//! [`OPTIONS`].
+//! `decompose` if it takes no steps. A new option is a line in `options`.
 
 mod accuracy;
 mod adaptive_steps;
@@ -21,6 +20,7 @@ mod representation;
 mod requirements;
 mod schedule;
 mod settings;
+mod value;
 
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
 pub use adaptive_steps::check_accuracy;
@@ -30,10 +30,10 @@ pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement, Metric};
 pub use duration::decomposition_duration;
 pub use facts::{Facts, Work};
-pub use options::{Choice, Kind, OPTIONS, Value};
+pub use options::{Choice, OPTIONS, Settings};
 pub use requirements::decomposition_memory;
 pub use schedule::graded_times;
-pub use settings::Settings;
+pub use value::{Kind, Value};
 
 use crate::named::named;
 

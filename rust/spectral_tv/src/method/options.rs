@@ -1,44 +1,12 @@
-//! The options of a decomposition by their names, as front ends and files have them.
+//! The options of a decomposition: each is declared once, with its default and the methods it is for.
 
 use ndarray::Array2;
 
-use crate::error::{ArgumentError, Error, Result};
-use crate::flow::Scheme;
-use crate::method::{Method, Metric, Settings};
-use crate::named::Named;
+use crate::error::Result;
+use crate::flow::{Scheme, Stepping};
+use crate::method::value::{Held, Kind, Value};
+use crate::method::{Method, Metric};
 use crate::solver::Solver;
-
-/// The value of an option.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    /// What the method chooses.
-    None,
-    /// An integer from 0.
-    Count(usize),
-    /// A number.
-    Number(f64),
-    /// The name of a choice.
-    Name(String),
-    /// A list of numbers.
-    List(Vec<f64>),
-    /// Positions, (3, V).
-    Shape(Array2<f64>),
-}
-
-/// What kind of value an option has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// [`Value::Count`].
-    Count,
-    /// [`Value::Number`].
-    Number,
-    /// [`Value::Name`].
-    Name,
-    /// [`Value::List`].
-    List,
-    /// [`Value::Shape`].
-    Shape,
-}
 
 /// An option: its name, for which methods it is, and its place in [`Settings`].
 pub struct Choice {
@@ -55,38 +23,85 @@ pub struct Choice {
     set: fn(&mut Settings, Value) -> Result<()>,
 }
 
-/// A row of the table: the name, the field and its type, and which methods take it.
+/// A row of the table of options.
 macro_rules! choice {
-    ($name:literal, $($field:ident).+: $type:ty, $applies:expr) => {
+    ($name:ident, $type:ty, $applies:expr, $($place:ident).+) => {
         Choice {
-            name: $name,
+            name: stringify!($name),
             kind: <$type>::KIND,
             is_optional: <$type>::IS_OPTIONAL,
             applies: $applies,
-            get: |settings| settings.$($field).+.to_value(),
+            get: |settings| settings.$($place).+.to_value(),
             set: |settings, value| {
-                settings.$($field).+ = <$type>::from_value($name, value)?;
+                settings.$($place).+ = <$type>::from_value(stringify!($name), value)?;
                 Ok(())
             },
         }
     };
 }
 
-/// Every option besides the method, with the methods that take it. Its default is that of
-/// [`Settings`].
-pub const OPTIONS: &[Choice] = &[
-    choice!("times", times: Option<Vec<f64>>, |method| method != Method::Displacement),
-    choice!("steps", steps: usize, |_| true),
-    choice!("accuracy", accuracy: Option<f64>, |method| method.facts().takes_steps()),
-    choice!("scheme", stepping.scheme: Scheme, |method| method.facts().takes_steps()),
-    choice!("tolerance", stepping.tolerance: f64, |_| true),
-    choice!("solver", stepping.solver: Solver, |_| true),
-    choice!("p", p: u32, |method| method == Method::ConformalLaplace),
-    choice!("base", base: Option<Array2<f64>>, |method| method.facts().takes_base),
-    choice!("base_time", base_time: Option<f64>, |method| method.facts().takes_base),
-    choice!("metric", metric: Metric, |method| method == Method::DirectionalTv),
-    choice!("eigenpairs", eigenpairs: usize, |method| method == Method::LaplaceBeltrami),
-];
+/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`.
+macro_rules! options {
+    (
+        settings { $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr;)+ }
+        stepping { $($step:ident: $step_type:ty, $step_applies:expr;)+ }
+    ) => {
+        /// The settings of a decomposition. An option that the method does not take has to have its
+        /// default; else it is refused. See [`OPTIONS`].
+        #[derive(Debug, Clone, PartialEq)]
+        pub struct Settings {
+            /// The method.
+            pub method: Method,
+            /// How steps are taken.
+            pub stepping: Stepping,
+            $($(#[$doc])* pub $field: $type,)+
+        }
+
+        impl Default for Settings {
+            fn default() -> Self {
+                Self {
+                    method: Method::default(),
+                    stepping: Stepping::default(),
+                    $($field: $default,)+
+                }
+            }
+        }
+
+        /// Every option besides the method.
+        pub const OPTIONS: &[Choice] = &[
+            $(choice!($field, $type, $applies, $field),)+
+            $(choice!($step, $step_type, $step_applies, stepping.$step),)+
+        ];
+    };
+}
+
+options! {
+    settings {
+        /// N + 1 times from 0, length²; `None`: [`Settings::default_times`], or
+        /// [`crate::flow::Eigenpairs::times`].
+        times: Option<Vec<f64>> = None, |method| method != Method::Displacement;
+        /// The number of steps N, if no times are given.
+        steps: usize = 32, |_| true;
+        /// The mean error of five even bands, relative to the bands: as many steps are taken as it
+        /// needs, and given times are subdivided.
+        accuracy: Option<f64> = None, |method| method.facts().takes_steps();
+        /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
+        p: u32 = 3, |method| method == Method::ConformalLaplace;
+        /// The smooth base Ŝ, (3, V); `None`: the shape itself under conformalized mean curvature flow.
+        base: Option<Array2<f64>> = None, |method| method.facts().takes_base;
+        /// How long that flow is, length²; `None`: 5e-3 of the area.
+        base_time: Option<f64> = None, |method| method.facts().takes_base;
+        /// The metric in which M3 flows: that of the shape or of its base.
+        metric: Metric = Metric::default(), |method| method == Method::DirectionalTv;
+        /// Number of the lowest eigenpairs that are used.
+        eigenpairs: usize = 300, |method| method == Method::LaplaceBeltrami;
+    }
+    stepping {
+        scheme: Scheme, |method| method.facts().takes_steps();
+        tolerance: f64, |_| true;
+        solver: Solver, |_| true;
+    }
+}
 
 impl Choice {
     /// The option of a name.
@@ -101,91 +116,6 @@ impl Choice {
     pub fn set(&self, settings: &mut Settings, value: Value) -> Result<()> {
         (self.set)(settings, value)
     }
-}
-
-/// A type that an option can have.
-trait Held: Sized {
-    const KIND: Kind;
-    const IS_OPTIONAL: bool = false;
-
-    fn to_value(&self) -> Value;
-
-    fn from_value(name: &'static str, value: Value) -> Result<Self>;
-}
-
-/// A type whose values are held as they are.
-macro_rules! held {
-    ($($type:ty = $kind:ident),+) => {
-        $(impl Held for $type {
-            const KIND: Kind = Kind::$kind;
-
-            fn to_value(&self) -> Value {
-                Value::$kind(self.clone())
-            }
-
-            fn from_value(name: &'static str, value: Value) -> Result<Self> {
-                match value {
-                    Value::$kind(value) => Ok(value),
-                    other => Err(other_kind(name, Self::KIND, &other)),
-                }
-            }
-        })+
-    };
-}
-
-held!(usize = Count, f64 = Number, Vec<f64> = List, Array2<f64> = Shape);
-
-impl Held for u32 {
-    const KIND: Kind = Kind::Count;
-
-    fn to_value(&self) -> Value {
-        Value::Count(*self as usize)
-    }
-
-    fn from_value(name: &'static str, value: Value) -> Result<Self> {
-        let count = usize::from_value(name, value)?;
-        let refuse = |_| {
-            let rule = format!("must be an integer from 0 to {}", Self::MAX);
-            ArgumentError::value(name, rule, count).into()
-        };
-        Self::try_from(count).map_err(refuse)
-    }
-}
-
-impl<T: Named> Held for T {
-    const KIND: Kind = Kind::Name;
-
-    fn to_value(&self) -> Value {
-        Value::Name(self.name().into())
-    }
-
-    fn from_value(name: &'static str, value: Value) -> Result<Self> {
-        match value {
-            Value::Name(text) => Self::named(&text),
-            other => Err(other_kind(name, Self::KIND, &other)),
-        }
-    }
-}
-
-impl<T: Held> Held for Option<T> {
-    const KIND: Kind = T::KIND;
-    const IS_OPTIONAL: bool = true;
-
-    fn to_value(&self) -> Value {
-        self.as_ref().map_or(Value::None, Held::to_value)
-    }
-
-    fn from_value(name: &'static str, value: Value) -> Result<Self> {
-        match value {
-            Value::None => Ok(None),
-            value => T::from_value(name, value).map(Some),
-        }
-    }
-}
-
-fn other_kind(name: &'static str, kind: Kind, found: &Value) -> Error {
-    let rule = format!("must be a {kind:?}").to_lowercase();
-    ArgumentError::value(name, rule, format_args!("{found:?}")).into()
 }
 
 #[cfg(test)]

@@ -1,60 +1,12 @@
-//! The settings of a decomposition.
+//! What follows from settings, and those of each method by default.
 
 use std::f64::consts::PI;
 
-use ndarray::Array2;
-
 use crate::error::Result;
-use crate::flow::Stepping;
 use crate::method::adaptive_steps::FEWEST_STEPS;
 use crate::method::facts::Work;
 use crate::method::schedule::graded_times;
-use crate::method::{Base, Method, Metric};
-
-/// The settings of a decomposition. An option that the method does not take has to have its
-/// default; else it is refused. See [`crate::method::OPTIONS`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// The method.
-    pub method: Method,
-    /// N + 1 times from 0, length²; `None`: [`Settings::default_times`], or
-    /// [`crate::flow::Eigenpairs::times`].
-    pub times: Option<Vec<f64>>,
-    /// The number of steps N, if no times are given.
-    pub steps: usize,
-    /// The mean error of five even bands, relative to the bands: as many steps are taken as it
-    /// needs, and given times are subdivided.
-    pub accuracy: Option<f64>,
-    /// How steps are taken.
-    pub stepping: Stepping,
-    /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
-    pub p: u32,
-    /// The smooth base Ŝ, (3, V); `None`: the shape itself under conformalized mean curvature flow.
-    pub base: Option<Array2<f64>>,
-    /// How long that flow is, length²; `None`: 5e-3 of the area.
-    pub base_time: Option<f64>,
-    /// The metric in which M3 flows: that of the shape or of its base.
-    pub metric: Metric,
-    /// Number of the lowest eigenpairs that are used.
-    pub eigenpairs: usize,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            method: Method::ShapeTv,
-            times: None,
-            steps: 32,
-            accuracy: None,
-            stepping: Stepping::default(),
-            p: 3,
-            base: None,
-            base_time: None,
-            metric: Metric::default(),
-            eigenpairs: 300,
-        }
-    }
-}
+use crate::method::{Base, Method, Settings};
 
 impl From<Method> for Settings {
     fn from(method: Method) -> Self {

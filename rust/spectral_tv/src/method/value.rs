@@ -1,0 +1,130 @@
+//! Values of options, whatever their types.
+
+use ndarray::Array2;
+
+use crate::error::{ArgumentError, Error, Result};
+use crate::named::Named;
+
+/// The value of an option.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// What the method chooses.
+    None,
+    /// An integer from 0.
+    Count(usize),
+    /// A number.
+    Number(f64),
+    /// The name of a choice.
+    Name(String),
+    /// A list of numbers.
+    List(Vec<f64>),
+    /// Positions, (3, V).
+    Shape(Array2<f64>),
+}
+
+/// What kind of value an option has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// [`Value::Count`].
+    Count,
+    /// [`Value::Number`].
+    Number,
+    /// [`Value::Name`].
+    Name,
+    /// [`Value::List`].
+    List,
+    /// [`Value::Shape`].
+    Shape,
+}
+
+/// A type that an option can have.
+pub(super) trait Held: Sized {
+    /// What its values are.
+    const KIND: Kind;
+    /// Whether it can be [`Value::None`].
+    const IS_OPTIONAL: bool = false;
+
+    /// The value.
+    fn to_value(&self) -> Value;
+
+    /// A value of the option of this name.
+    ///
+    /// # Errors
+    /// If it is of another kind, or names no choice.
+    fn from_value(name: &'static str, value: Value) -> Result<Self>;
+}
+
+/// A type whose values are held as they are.
+macro_rules! held {
+    ($($type:ty = $kind:ident),+) => {
+        $(impl Held for $type {
+            const KIND: Kind = Kind::$kind;
+
+            fn to_value(&self) -> Value {
+                Value::$kind(self.clone())
+            }
+
+            fn from_value(name: &'static str, value: Value) -> Result<Self> {
+                match value {
+                    Value::$kind(value) => Ok(value),
+                    other => Err(other_kind(name, Self::KIND, &other)),
+                }
+            }
+        })+
+    };
+}
+
+held!(usize = Count, f64 = Number, Vec<f64> = List, Array2<f64> = Shape);
+
+impl Held for u32 {
+    const KIND: Kind = Kind::Count;
+
+    fn to_value(&self) -> Value {
+        Value::Count(*self as usize)
+    }
+
+    fn from_value(name: &'static str, value: Value) -> Result<Self> {
+        let count = usize::from_value(name, value)?;
+        let refuse = |_| {
+            let rule = format!("must be an integer from 0 to {}", Self::MAX);
+            ArgumentError::value(name, rule, count).into()
+        };
+        Self::try_from(count).map_err(refuse)
+    }
+}
+
+impl<T: Named> Held for T {
+    const KIND: Kind = Kind::Name;
+
+    fn to_value(&self) -> Value {
+        Value::Name(self.name().into())
+    }
+
+    fn from_value(name: &'static str, value: Value) -> Result<Self> {
+        match value {
+            Value::Name(text) => Self::named(&text),
+            other => Err(other_kind(name, Self::KIND, &other)),
+        }
+    }
+}
+
+impl<T: Held> Held for Option<T> {
+    const KIND: Kind = T::KIND;
+    const IS_OPTIONAL: bool = true;
+
+    fn to_value(&self) -> Value {
+        self.as_ref().map_or(Value::None, Held::to_value)
+    }
+
+    fn from_value(name: &'static str, value: Value) -> Result<Self> {
+        match value {
+            Value::None => Ok(None),
+            value => T::from_value(name, value).map(Some),
+        }
+    }
+}
+
+fn other_kind(name: &'static str, kind: Kind, found: &Value) -> Error {
+    let rule = format!("must be a {kind:?}").to_lowercase();
+    ArgumentError::value(name, rule, format_args!("{found:?}")).into()
+}
