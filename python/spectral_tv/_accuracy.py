@@ -44,8 +44,7 @@ def accuracy(
         The finest and the largest scale, length²; see `graded_times`. Default: the method's.
     refinement : int
         How many times as many steps the refined flow has as the largest of `steps`; at least 2.
-    scheme, tolerance, solver, p, base, base_time, metric
-        As `decompose` takes them; the paper's steps are "lagged".
+    {options}
 
     Returns
     -------

@@ -44,32 +44,7 @@ def decompose(
         The number of steps N, if no times are given.
     progress : callable, optional
         Called with the fraction done; an exception it raises ends the work.
-    accuracy : float, optional
-        Take as many steps as are needed for this error of the bands: the mean over five bands,
-        relative to their size. `steps` is then ignored, and given times are subdivided. 0.1 is
-        hardly visible, 0.02 is fine. To find the number takes at least two flows, of 12 and 24
-        steps. Each further flow has up to four times the steps of the one before.
-    scheme : {"extrapolated", "lagged", "exact"}
-        How steps take their weights; see `flow`. "exact" is for "naive", "m1" and "m3".
-    tolerance : float
-        Relative duality gap of exact steps, in (0, 1).
-    solver : {"auto", "cholesky", "multigrid"}
-        How the linear systems of steps are solved. "cholesky": by factorization. "multigrid": by
-        conjugate gradients with multigrid, to 2e-6 of each increment. "auto": by the faster of
-        both for the mesh. Exact steps are always solved by factorization.
-    p : {3, 2, 1}
-        The P of "m2". Only 3 is zero-homogeneous.
-    base : (V, 3) array, optional
-        The smooth base of "m3" and "displacement". Default: the mesh under ten steps of
-        `conformal_flow`.
-    base_time : float, optional
-        How far that flow goes, length². Default: 5e-3 of the area.
-    eigenpairs : int
-        How many of the lowest eigenpairs "lb" uses; all, if the mesh has fewer. See `eigenpairs`.
-    metric : {"surface", "base"}
-        The metric in which "m3" flows: that of the mesh or that of its base. With a flat base a
-        height field is an image. Then "surface" gives its spectral ATV, "base" its spectral TV
-        (Sec. 9.3).
+    {options}
 
     Returns
     -------
@@ -100,15 +75,16 @@ def estimate(
     """Estimate what `decompose` takes with the same arguments.
 
     `decompose` itself refuses work that does not fit. The first call of `estimate` times a small
-    flow, for some hundredths of a second.
+    flow, for some hundredths of a second. If an accuracy decides on the steps, the estimate is for
+    the first two flows, the least that it takes.
 
     Parameters
     ----------
     mesh : Mesh or int
         A mesh, or the number of vertices of one that has twice as many triangles.
-    method, times, steps and others
-        As `decompose` takes them. If an accuracy decides on the steps, the estimate is for the
-        first two flows, the least that it takes.
+    method, times, steps
+        As `decompose` takes them.
+    {options}
 
     Returns
     -------

@@ -40,13 +40,7 @@ def flow(
         decay in a straight line down to extinction.
     progress : callable, optional
         Called with the fraction done; an exception it raises ends the work.
-    scheme : {"extrapolated", "lagged"}
-        How steps that are not exact take their weights: at the extrapolated state with BDF2,
-        or at the last one with backward Euler (the paper's step).
-    tolerance : float
-        Relative duality gap of exact steps, in (0, 1).
-    solver : {"auto", "cholesky", "multigrid"}
-        How the linear systems of steps are solved; see `decompose`.
+    {options}
 
     Returns
     -------

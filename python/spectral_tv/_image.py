@@ -49,8 +49,7 @@ def decompose_image(
         Called with the fraction done; an exception it raises ends the work.
     height : float
         How high the graph of "surface" is from the least to the greatest value, in pixels.
-    scheme, tolerance, solver
-        As `flow` takes them, and "exact".
+    {options}
 
     Returns
     -------

@@ -1,9 +1,12 @@
-"""The options that functions share: their types, their defaults, and which method takes which."""
+"""The options that functions share: their types, texts and defaults, and which method takes which.
+
+The documentation of each function that takes them is made of the texts.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Literal, TypedDict
+from typing import Annotated, Any, Literal, TypedDict
 
 from numpy.typing import ArrayLike
 
@@ -17,27 +20,60 @@ Progress = Callable[[float], object]
 
 
 class StepOptions(TypedDict, total=False):
-    """How the steps of a flow are taken; `decompose` says what each is."""
+    """How the steps of a flow are taken."""
 
-    scheme: Scheme
-    tolerance: float
-    solver: Solver
+    scheme: Annotated[
+        Scheme,
+        'Where a step takes its weights. "extrapolated": at the extrapolated state, with BDF2. '
+        '"lagged": at the last state, with backward Euler (the paper\'s step). "exact": every step '
+        "is a proximal step to the gap `tolerance`, so that eigenfunctions decay in a straight "
+        'line down to extinction; of total variation only ("naive", "m1", "m3").',
+    ]
+    tolerance: Annotated[float, "Relative duality gap of exact steps, in (0, 1)."]
+    solver: Annotated[
+        Solver,
+        'How the linear systems of steps are solved. "cholesky": by factorization. "multigrid": '
+        'by conjugate gradients with multigrid, to 2e-6 of each increment. "auto": by the faster '
+        "of both for the mesh. Exact steps are always solved by factorization.",
+    ]
 
 
 class ShapeOptions(StepOptions, total=False):
-    """What is flowed of a shape; `decompose` says what each is."""
+    """What is flowed of a shape."""
 
-    p: int
-    base: ArrayLike | None
-    base_time: float | None
-    metric: Literal["surface", "base"]
+    p: Annotated[int, 'The P of "m2": 3, 2 or 1. Only 3 is zero-homogeneous.']
+    base: Annotated[
+        ArrayLike | None,
+        'The smooth base of "m3" and "displacement". Default: the mesh under ten steps of '
+        "`conformal_flow`.",
+        "(V, 3) array",
+    ]
+    base_time: Annotated[
+        float | None, "How far that flow goes, length². Default: 5e-3 of the area."
+    ]
+    metric: Annotated[
+        Literal["surface", "base"],
+        'The metric in which "m3" flows: that of the mesh or that of its base. With a flat base a '
+        'height field is an image. Then "surface" gives its spectral ATV, "base" its spectral TV '
+        "(Brokman et al. 2024, Sec. 9.3).",
+    ]
 
 
 class DecomposeOptions(ShapeOptions, total=False):
-    """What a decomposition takes besides; `decompose` says what each is."""
+    """What a decomposition takes besides."""
 
-    accuracy: float | None
-    eigenpairs: int
+    accuracy: Annotated[
+        float | None,
+        "Take as many steps as are needed for this error of the bands: the mean over five bands, "
+        "relative to their size. `steps` is then ignored, and given times are subdivided. 0.1 is "
+        "hardly visible, 0.02 is fine. To find the number takes at least two flows, of 12 and 24 "
+        "steps. Each further flow has up to four times the steps of the one before.",
+    ]
+    eigenpairs: Annotated[
+        int,
+        'How many of the lowest eigenpairs "lb" uses; all, if the mesh has fewer. See '
+        "`eigenpairs`.",
+    ]
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,15 @@
 
 import functools
 import inspect
+import textwrap
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar, get_type_hints
+from typing import Any, Literal, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
 
 from spectral_tv._native import Job
 from spectral_tv._options import DEFAULTS
+
+# Of docstrings.
+WIDTH, MARGIN = 100, " " * 8
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -71,4 +75,24 @@ def _show(function: Any, signature: inspect.Signature) -> None:
         kind = inspect.Parameter.KEYWORD_ONLY
         names = get_type_hints(options)
         shown[-1:] = [inspect.Parameter(name, kind, default=DEFAULTS[name]) for name in names]
+        function.__doc__ = function.__doc__.replace("    {options}", documented(options))
     function.__signature__ = inspect.Signature(shown)
+
+
+def documented(options: type) -> str:
+    """The entries of options under Parameters, by their annotations: type, text, and kind."""
+    entries = []
+    for name, hint in get_type_hints(options, include_extras=True).items():
+        annotation, text, *kind = get_args(hint)
+        entries.append(f"    {name} : {_kind(annotation, *kind)}")
+        entries.append(textwrap.fill(text, WIDTH, initial_indent=MARGIN, subsequent_indent=MARGIN))
+    return "\n".join(entries)
+
+
+def _kind(annotation: Any, told: str = "") -> str:
+    """What a value is, as an entry has it."""
+    if get_origin(annotation) is Literal:
+        return "{" + ", ".join(f'"{word}"' for word in get_args(annotation)) + "}"
+    if isinstance(annotation, type):
+        return annotation.__name__
+    return f"{told or get_args(annotation)[0].__name__}, optional"

@@ -97,6 +97,7 @@ def test_everything_public_is_documented():
             assert f"{name}[" in spectral_tv.__doc__
             continue
         assert item.__doc__, name
+        assert "{options}" not in item.__doc__, name
         if is_dataclass(item):
             for part in fields(item):
                 assert f"{part.name} : " in item.__doc__ or not part.repr, part.name
@@ -110,6 +111,7 @@ def test_signatures_spell_out_options_with_the_defaults_of_the_library():
     parameters = inspect.signature(spectral_tv.decompose).parameters
     for name, default in spectral_tv.DEFAULTS.items():
         assert parameters[name].default == default, name
+        assert name == "method" or f"    {name} : " in spectral_tv.decompose.__doc__
     stepped = inspect.signature(spectral_tv.flow).parameters
     assert [*stepped][-3:] == ["scheme", "tolerance", "solver"]
     with pytest.raises(TypeError, match="unexpected keyword argument 'stepz'"):
