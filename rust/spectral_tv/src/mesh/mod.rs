@@ -2,6 +2,8 @@
 
 mod components;
 mod doubts;
+#[cfg(test)]
+pub(crate) mod examples;
 mod findings;
 mod intrinsic;
 mod open_edges;

@@ -155,21 +155,14 @@ fn grouped(keys: &[u32], count: usize, stage: Stage) -> Result<(Vec<u32>, Vec<u3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::TriangleMesh;
+    use crate::mesh::examples::five_vertices;
     use crate::monitor::Monitor;
 
     #[test]
     fn edges_give_what_the_gradient_and_its_adjoint_give() {
-        let vertices = vec![
-            [0., 0., 0.],
-            [1., 0., 0.],
-            [0.3, 2., 0.5],
-            [1., 1., -1.],
-            [9., 9., 9.],
-        ];
         // A non-manifold edge 1-2, a repeated index and a vertex without neighbours.
         let triangles = [[0, 1, 2], [1, 3, 2], [2, 1, 0], [3, 3, 1]];
-        let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
+        let mesh = five_vertices(&triangles);
         let monitor = Monitor::new();
         let gradient = Gradient::new(&mesh, monitor.whole()).unwrap();
         let pattern = LaplacianPattern::new(&gradient, monitor.whole()).unwrap();

@@ -204,21 +204,14 @@ fn sorted_columns(gradient: &Gradient, stage: Stage) -> Result<(Vec<u32>, Vec<u3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::TriangleMesh;
+    use crate::mesh::examples::five_vertices;
     use crate::monitor::Monitor;
 
     #[test]
     fn assembly_equals_the_product_of_the_gradient() {
-        let vertices = vec![
-            [0., 0., 0.],
-            [1., 0., 0.],
-            [0.3, 2., 0.5],
-            [1., 1., -1.],
-            [9., 9., 9.],
-        ];
         // A fin on edge 1-2 makes it non-manifold; vertex 4 is in a repeated-index face only.
         let triangles = [[0, 1, 2], [1, 3, 2], [2, 1, 0], [4, 4, 1]];
-        let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
+        let mesh = five_vertices(&triangles);
         let gradient = Gradient::new(&mesh, Monitor::new().whole()).unwrap();
         let weights = [2.0, 0.5, 3.0, 7.0];
         let pattern = LaplacianPattern::new(&gradient, Monitor::new().whole()).unwrap();

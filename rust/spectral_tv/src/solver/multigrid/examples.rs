@@ -6,7 +6,7 @@ use sprs::CsMatI;
 use crate::monitor::Monitor;
 pub use crate::solver::examples::{irregular, lattice, random, system_of};
 use crate::solver::multigrid::hierarchy::Hierarchy;
-use crate::solver::multigrid::matrix::Matrix;
+use crate::solver::multigrid::matrix::{Lanes, Matrix};
 use crate::solver::multigrid::ordering::Ordering;
 use crate::solver::multigrid::system;
 
@@ -19,6 +19,15 @@ pub fn hierarchy_of(lower: &CsMatI<f64, u32>, masses: &[f64]) -> Hierarchy {
     let mut hierarchy = Hierarchy::unset(matrix);
     hierarchy.coarsen(monitor.whole()).unwrap();
     hierarchy
+}
+
+/// The inner product of two vectors.
+pub fn dot(x: &[Lanes<1>], y: &[Lanes<1>]) -> f64 {
+    let products = x
+        .iter()
+        .zip(y)
+        .map(|(x, y)| f64::from(x[0]) * f64::from(y[0]));
+    products.sum()
 }
 
 /// All entries of a matrix.

@@ -177,7 +177,7 @@ fn elsewhere<const L: usize>(old: &impl Fn(usize) -> Lanes<L>, column: u32) -> L
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::multigrid::examples::{hierarchy_of, lattice, random};
+    use crate::solver::multigrid::examples::{dot, hierarchy_of, lattice, random};
 
     /// x ↦ one sweep up and one down from 0, the symmetric smoother.
     fn symmetric(smoother: &Smoother, matrix: &Matrix, b: &[Lanes<1>]) -> Vec<Lanes<1>> {
@@ -196,13 +196,6 @@ mod tests {
         assert!(matrix.size() > matrix.chunk());
         let smoother = &hierarchy.levels[0].smoother;
         let (a, b) = (random::<1>(matrix.size(), 3), random::<1>(matrix.size(), 4));
-        let dot = |x: &[Lanes<1>], y: &[Lanes<1>]| {
-            let products = x
-                .iter()
-                .zip(y)
-                .map(|(x, y)| f64::from(x[0]) * f64::from(y[0]));
-            products.sum::<f64>()
-        };
         let (sa, sb) = (
             symmetric(smoother, matrix, &a),
             symmetric(smoother, matrix, &b),

@@ -110,7 +110,7 @@ fn finish<const L: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::multigrid::examples::{hierarchy_of, irregular, lattice, random};
+    use crate::solver::multigrid::examples::{dot, hierarchy_of, irregular, lattice, random};
 
     #[test]
     fn a_cycle_is_symmetric_and_positive() {
@@ -118,13 +118,6 @@ mod tests {
             let hierarchy = hierarchy_of(&lower, &masses);
             let size = masses.len();
             let mut workspace = Workspace::<1>::new(&hierarchy);
-            let dot = |x: &[Lanes<1>], y: &[Lanes<1>]| {
-                let products = x
-                    .iter()
-                    .zip(y)
-                    .map(|(x, y)| f64::from(x[0]) * f64::from(y[0]));
-                products.sum::<f64>()
-            };
             let (a, b) = (random::<1>(size, 6), random::<1>(size, 7));
             let (mut image_a, mut image_b) = (a.clone(), b.clone());
             let energy = workspace.cycle(&hierarchy, &a, &mut image_a)[0];
