@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,3 +28,13 @@ def ball(name: str, detail: int = 2) -> bpy.types.Object:
     obj.vertex_groups.new(name="Cap").add(cap, 1, "REPLACE")
     obj.select_set(True)
     return obj
+
+
+def saved_and_loaded(obj: bpy.types.Object, path: Path) -> bpy.types.Object:
+    """The object as a file has it that it was saved to."""
+    bpy.data.libraries.write(str(path), {obj})
+    name = obj.name
+    bpy.data.batch_remove([obj])
+    with bpy.data.libraries.load(str(path)) as (_, target):
+        target.objects = [name]
+    return target.objects[0]

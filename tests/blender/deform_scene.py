@@ -61,3 +61,17 @@ def dumbbell_object() -> bpy.types.Object:
     group(obj, "Feet", np.flatnonzero(vertices[:, 2] < -0.9))
     group(obj, "Head", np.flatnonzero(vertices[:, 2] > 1.8))
     return obj
+
+
+def armature() -> tuple[bpy.types.Object, bpy.types.PoseBone]:
+    """An armature with the bone Neck, along Z."""
+    active = bpy.context.view_layer.objects.active
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = rig.data.edit_bones.new("Neck")
+    bone.head, bone.tail = (0, 0, 0.5), (0, 0, 2)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = active
+    return rig, rig.pose.bones["Neck"]

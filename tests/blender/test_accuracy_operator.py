@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
-from ball import object_of
+from ball import object_of, saved_and_loaded
 from shapes import grid
 
 SCALARS = [
@@ -90,13 +90,7 @@ def test_again_replaces_what_was_written_and_shows_another_error(sphere):
 def test_what_was_measured_survives_saving(sphere, tmp_path: Path):
     bpy.ops.spectral_tv.measure_accuracy(bands=2, steps=8)
     kept, text = values(sphere, SCALARS[0]), sphere.data.spectral_tv.accuracy.as_string()
-    path = tmp_path / "saved.blend"
-    bpy.data.libraries.write(str(path), {sphere})
-    name = sphere.name
-    bpy.data.batch_remove([sphere])
-    with bpy.data.libraries.load(str(path)) as (_, target):
-        target.objects = [name]
-    obj = target.objects[0]
+    obj = saved_and_loaded(sphere, tmp_path / "saved.blend")
     np.testing.assert_array_equal(values(obj, SCALARS[0]), kept)
     assert obj.data.spectral_tv.accuracy.as_string() == text
 

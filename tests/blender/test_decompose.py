@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from ball import saved_and_loaded
 from mathutils import Euler, Matrix
 
 
@@ -229,10 +230,5 @@ def test_refuses_linked_meshes(monkey, tmp_path: Path):
 def test_survives_saving_and_loading(monkey, tmp_path: Path):
     bpy.ops.spectral_tv.decompose(bands=3, steps=8)
     expected = bands(monkey)
-    path = tmp_path / "saved.blend"
-    bpy.data.libraries.write(str(path), {monkey})
-    name = monkey.name
-    bpy.data.batch_remove([monkey])
-    with bpy.data.libraries.load(str(path)) as (_, target):
-        target.objects = [name]
-    np.testing.assert_array_equal(bands(target.objects[0]), expected)
+    obj = saved_and_loaded(monkey, tmp_path / "saved.blend")
+    np.testing.assert_array_equal(bands(obj), expected)

@@ -8,7 +8,16 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from deform_scene import constrain, coordinates, empty, evaluated, handle, key_positions, members
+from deform_scene import (
+    armature,
+    constrain,
+    coordinates,
+    empty,
+    evaluated,
+    handle,
+    key_positions,
+    members,
+)
 from mathutils import Euler, Matrix, Vector
 
 
@@ -95,17 +104,9 @@ def test_the_objects_own_transform_is_seen_through(held):
 
 
 def test_a_bone_is_followed(body):
-    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
-    bpy.context.scene.collection.objects.link(armature)
-    bpy.context.view_layer.objects.active = armature
-    bpy.ops.object.mode_set(mode="EDIT")
-    bone = armature.data.edit_bones.new("Neck")
-    bone.head, bone.tail = (0, 0, 0.5), (0, 0, 2)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.context.view_layer.objects.active = body
+    rig, pose = armature()
     constrain(body, "Feet", "PIN")
-    constrain(body, "Head", "OBJECT", target=armature, bone="Neck")
-    pose = armature.pose.bones["Neck"]
+    constrain(body, "Head", "OBJECT", target=rig, bone="Neck")
     pose.rotation_mode = "XYZ"
     pose.rotation_euler.x = math.radians(25)
     bpy.context.view_layer.update()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from deform_scene import constrain, empty, handle, key_positions, members
+from deform_scene import armature, constrain, empty, handle, key_positions, members
 
 
 def moved(obj, name: str = "Deformation", group: str = "Head") -> np.ndarray:
@@ -281,17 +281,3 @@ def test_places_far_from_the_origin_are_exact(held):
     pivot.location.x += 0.5
     bpy.ops.spectral_tv.deform()
     np.testing.assert_allclose(moved(held), 0.5, atol=1e-6)
-
-
-def armature() -> tuple[bpy.types.Object, bpy.types.PoseBone]:
-    """An armature with the bone Neck, along Z."""
-    active = bpy.context.view_layer.objects.active
-    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
-    bpy.context.scene.collection.objects.link(rig)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    bone = rig.data.edit_bones.new("Neck")
-    bone.head, bone.tail = (0, 0, 0.5), (0, 0, 2)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.context.view_layer.objects.active = active
-    return rig, rig.pose.bones["Neck"]

@@ -22,8 +22,6 @@ from test_any_value import MESH, arrays, refusable
 )
 def test_any_sequence_is_followed(data, corrupt, softness, shares):
     mesh = made(*corrupt)
-    if mesh is None:
-        return
     vertices = corrupt[0]
     indices, targets, weights = data.draw(pulls(vertices))
     indices, first = np.unique(indices, return_index=True)

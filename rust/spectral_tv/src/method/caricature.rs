@@ -1,5 +1,7 @@
 //! One band-pass exaggeration for many poses (Brokman et al. 2024, Sec. 7.5 and appendix A).
 
+use std::borrow::Borrow;
+
 use ndarray::Array2;
 
 use crate::error::{ArgumentError, Result, has_usable_size};
@@ -70,11 +72,12 @@ impl Exaggeration {
 /// # Errors
 /// If the filter makes no sense, or as [`crate::method::decompose`].
 pub fn caricature(
-    meshes: &[&TriangleMesh],
+    meshes: &[impl Borrow<TriangleMesh>],
     settings: &Settings,
     filter: &Exaggeration,
     stage: Stage,
 ) -> Result<Vec<Array2<f64>>> {
+    let meshes: Vec<&TriangleMesh> = meshes.iter().map(Borrow::borrow).collect();
     filter.check()?;
     settings.check()?;
     let most = meshes

@@ -1,5 +1,7 @@
 //! Labels for several decompositions at once.
 
+use std::borrow::Borrow;
+
 use ndarray::{Axis, concatenate};
 
 use crate::error::{ArgumentError, Result};
@@ -20,11 +22,12 @@ use crate::segmentation::k_means::k_means;
 /// If there is no shape, one has no components, or `segments` is 0 or more than there are vertices;
 /// [`crate::Error::Memory`]; or [`crate::Error::Cancelled`].
 pub fn cosegment(
-    decompositions: &[&Decomposition],
+    decompositions: &[impl Borrow<Decomposition>],
     segments: usize,
     seed: u64,
     stage: Stage,
 ) -> Result<Vec<Vec<usize>>> {
+    let decompositions: Vec<&Decomposition> = decompositions.iter().map(Borrow::borrow).collect();
     let counts = decompositions.iter().map(|d| d.vertex_areas().len());
     let total: usize = counts.clone().sum();
     if decompositions.is_empty() {
