@@ -59,10 +59,8 @@ def decompose_image(
 
     Raises
     ------
-    MeshError
-        If an argument is of the wrong shape, not finite, or out of range; says where.
-    MemoryError
-        If the work takes more than is available, before it starts.
+    MeshError, MemoryError
+        As `flow` does.
     """
     return _native.start_decompose_image(image, metric, times, steps, height, options)
 

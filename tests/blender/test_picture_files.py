@@ -103,33 +103,33 @@ def as_jpeg_gives_them(got: np.ndarray, expected: np.ndarray, folder: Path) -> N
     assert ours.mean() <= 1.05 * theirs.mean() + 0.5 / 255
 
 
-@pytest.mark.parametrize(
-    ("suffix", "depth", "channels", "goal", "expected"),
-    [
-        (".png", "16", 1, ".png", (np.uint16, 1)),
-        (".png", "8", 4, ".tif", (np.uint8, 4)),
-        (".png", "16", 2, ".tif", (np.uint16, 2)),
-        (".png", "8", 2, ".png", (np.uint8, 4)),
-        (".png", "8", 3, ".exr", (np.float16, 3)),
-        (".png", "16", 3, ".exr", (np.float32, 3)),
-        (".tif", "float", 1, ".tif", (np.float32, 1)),
-        (".tif", "16", 4, ".jpg", (np.uint8, 3)),
-        (".exr", "half", 4, ".exr", (np.float16, 4)),
-        (".exr", "float", 3, ".exr", (np.float32, 3)),
-        (".exr", "half", 3, ".tif", (np.float32, 3)),
-        (".exr", "half", 3, ".png", (np.uint16, 3)),
-        (".jpg", "8", 1, ".jpg", (np.uint8, 1)),
-    ],
-)
-def test_depth_and_channels_are_those_of_the_input(
-    suffix, depth, channels, goal, expected, tmp_path
-):
+# Format, depth and channels of what comes in, and of what goes out.
+DEPTHS = """\
+.png 16 1 -> .png uint16 1
+.png 8 4 -> .tif uint8 4
+.png 16 2 -> .tif uint16 2
+.png 8 2 -> .png uint8 4
+.png 8 3 -> .exr float16 3
+.png 16 3 -> .exr float32 3
+.tif float 1 -> .tif float32 1
+.tif 16 4 -> .jpg uint8 3
+.exr half 4 -> .exr float16 4
+.exr float 3 -> .exr float32 3
+.exr half 3 -> .tif float32 3
+.exr half 3 -> .png uint16 3
+.jpg 8 1 -> .jpg uint8 1
+"""
+
+
+@pytest.mark.parametrize("row", DEPTHS.splitlines())
+def test_depth_and_channels_are_those_of_the_input(row, tmp_path):
     """Or the next that the format has."""
-    pixels = pictures.values(channels, depth, suffix == ".exr")
+    suffix, depth, channels, _, goal, kind, count = row.split()
+    pixels = pictures.values(int(channels), depth, suffix == ".exr")
     source = pictures.write(tmp_path / f"in{suffix}", pixels)
     assert keep(source, tmp_path / f"out{goal}") == 0
     found = pictures.read(tmp_path / f"out{goal}")
-    assert (found.dtype.type, found.shape[2]) == expected
+    assert (found.dtype.name, found.shape[2]) == (kind, int(count))
 
 
 def spaces() -> list[str]:

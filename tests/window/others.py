@@ -25,46 +25,47 @@ def attributes(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
     settings.kind, settings.source, settings.group = "GROUP", "Head", "Head"
     settings.groups, settings.size = "Head, Feet", 60
     yield from click(x, header)
-    yield from away()
-    yield from picture("panel_attributes")
+    yield from pictured("panel_attributes")
     _, y = yield from find("spectral_tv.flow_attribute(")
     yield from click(x, y - NEXT_HEADER - HEADER)  # the lower one first, which moves nothing
     yield from click(x, y - NEXT_HEADER)
-    yield from away()
-    yield from picture("panel_values")
-    yield from click(*(yield from find("spectral_tv.test_eigenset(")))
+    yield from pictured("panel_values")
+    yield from press("spectral_tv.test_eigenset(")
     yield 2
-    yield from away()
-    yield from picture("eigenset_tested")
-    yield from click(*(yield from find("spectral_tv.flow_attribute(")))
+    yield from pictured("eigenset_tested")
+    yield from press("spectral_tv.flow_attribute(")
     yield from until(lambda: "Head Flow" in obj.vertex_groups, "the smoothed vertex group")
     # Last, as the picture moves what is below it out of the window.
     yield from click(*(yield from find("spectral_tv.plot_values(", column=0.3)))
     yield from until(lambda: obj.data.spectral_tv.picture is not None, "the curves")
-    yield from away()
-    yield from picture("values_plotted")
+    yield from pictured("values_plotted")
     yield from click(x, header)
+
+
+def pictured(name: str) -> Steps[None]:
+    yield from away()
+    yield from picture(name)
+
+
+def press(button: str) -> Steps[None]:
+    yield from click(*(yield from find(button)))
 
 
 def segment(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
     yield from click(x, header)
-    yield from away()
-    yield from picture("panel_segment")
-    yield from click(*(yield from find("spectral_tv.cosegment(")))
+    yield from pictured("panel_segment")
+    yield from press("spectral_tv.cosegment(")
     yield from until(lambda: len(obj.data.color_attributes) > 0, "the segments")
-    yield from away()
-    yield from picture("segmented")
+    yield from pictured("segmented")
     yield from click(x, header)
 
 
 def caricature(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
     yield from click(x, header)
-    yield from away()
-    yield from picture("panel_caricature")
-    yield from click(*(yield from find("spectral_tv.caricature(")))
+    yield from pictured("panel_caricature")
+    yield from press("spectral_tv.caricature(")
     yield from until(lambda: first_band(obj) == -1, "the bands")
-    yield from away()
-    yield from picture("exaggerated")
+    yield from pictured("exaggerated")
 
 
 def first_band(obj: bpy.types.Object) -> float | None:

@@ -46,30 +46,10 @@ class Pull:
 def report(page: Page, shapes: list[tuple[str, Shape]]) -> None:
     """Print the tables."""
     pulls = [Pull(name, *shape) for name, shape in shapes]
-    with page.table(
-        "deformation",
-        f"Deformation to a gap of {TOLERANCE:.1g}; SciPy reweights until its TV is as near to the "
-        f"optimum, which it is told; medians of {RUNS} interleaved runs",
-        "mesh | vertices | SciPy | its systems | SciPy, CHOLMOD | deform | iterations | ratios",
-    ) as row:
-        for pull in pulls:
-            row(pull.name, len(pull.vertices), *solving(pull))
-    with page.table(
-        "dragging",
-        f"Dragging, medians of {FRAMES} frames; CHOLMOD solves one reweighted system, all of its "
-        "preparation included, which dragging has behind it",
-        "mesh | vertices | CHOLMOD | drag | ratio | updates a second | worst excess of TV",
-    ) as row:
-        for pull in pulls:
-            row(pull.name, len(pull.vertices), *dragging(pull))
-    with page.table(
-        "rigid",
-        f"As-rigid-as-possible (spokes and rims), the same number of iterations; medians of {RUNS} "
-        "interleaved runs",
-        "mesh | vertices | iterations | libigl | deform | ratio | difference",
-    ) as row:
-        for pull in pulls:
-            row(pull.name, len(pull.vertices), *rigid(pull))
+    for name, measure, text, columns in TABLES:
+        with page.table(name, text, f"mesh | vertices | {columns}") as row:
+            for pull in pulls:
+                row(pull.name, len(pull.vertices), *measure(pull))
 
 
 def solving(pull: Pull) -> list[str]:
@@ -160,3 +140,28 @@ def rigid(pull: Pull) -> list[str]:
         str(iterations), f"{library:.2f} s", f"{seconds:.2f} s", f"{library / seconds:.1f}",
         f"{relative:.0e}",
     ]  # fmt: skip
+
+
+TABLES: tuple[tuple[str, Callable[[Pull], list[str]], str, str], ...] = (
+    (
+        "deformation",
+        solving,
+        f"Deformation to a gap of {TOLERANCE:.1g}; SciPy reweights until its TV is as near to the "
+        f"optimum, which it is told; medians of {RUNS} interleaved runs",
+        "SciPy | its systems | SciPy, CHOLMOD | deform | iterations | ratios",
+    ),
+    (
+        "dragging",
+        dragging,
+        f"Dragging, medians of {FRAMES} frames; CHOLMOD solves one reweighted system, all of its "
+        "preparation included, which dragging has behind it",
+        "CHOLMOD | drag | ratio | updates a second | worst excess of TV",
+    ),
+    (
+        "rigid",
+        rigid,
+        f"As-rigid-as-possible (spokes and rims), the same number of iterations; medians of {RUNS} "
+        "interleaved runs",
+        "iterations | libigl | deform | ratio | difference",
+    ),
+)
