@@ -118,10 +118,10 @@ def own_attributes(mesh: bpy.types.Mesh) -> list[bpy.types.Attribute]:
     ]
 
 
-def own_properties(obj: bpy.types.Object) -> list[str]:
-    """The names of the custom properties of an object that are the user's."""
-    known = obj.bl_rna.properties
-    return [name for name in dict(obj.items()) if name not in known and name != "cycles"]
+def own_properties(data: bpy.types.ID) -> list[str]:
+    """The names of the custom properties of an object or a mesh that are the user's."""
+    known = data.bl_rna.properties
+    return [name for name in dict(data.items()) if name not in known and name != "cycles"]
 
 
 def armatures(obj: bpy.types.Object) -> list[bpy.types.Modifier]:

@@ -17,7 +17,7 @@ from ..scene.applied import mesh_of
 from ..scene.coordinates import seen_coordinates
 from ..scene.notes import listed, note
 from ..scene.shape_keys import SLIDER_RANGE
-from .contents import armatures
+from .contents import armatures, own_properties
 from .copies import Dress, held, off, unhooked
 
 # So far, relative to the object's size, may keys that went through modifiers be off together.
@@ -91,9 +91,9 @@ def _copy(obj: bpy.types.Object, kept: Kept, copies: dict[tuple, bpy.types.Mesh]
     if place in copies:
         return copies[place]
     copy = copies[place] = mesh_of(obj)
-    for name, value in obj.data.items():
+    for name in own_properties(obj.data):  # the extension's own are in no other file
         with suppress(TypeError):
-            copy[name] = value
+            copy[name] = obj.data[name]
     shape = _shape(obj, kept, has_modifiers)
     if shape is not None and shape.moves:
         _write(copy, shape)

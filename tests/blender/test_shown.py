@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from command_line_files import QUICK, empty, exportable, load, meshes, run
+from command_line_files import QUICK, decompose, empty, exportable, load, meshes, run
 
 save = import_module("bl_ext.user_default.spectral_tv.command_line.save").save
 curves_in = import_module("bl_ext.user_default.spectral_tv.scene.animation").curves_of
@@ -422,3 +423,16 @@ def test_nodes_that_tell_renders_from_the_screen_are_told(tmp_path: Path, capfd)
         told = "written as it is rendered, by the nodes that tell: Scatter"
         expected = suffix == ".ply" and bpy.app.version >= (5, 2)
         assert (told in capfd.readouterr().err) == expected
+
+
+def test_what_the_extension_keeps_on_a_mesh_is_in_no_other_file(tmp_path: Path):
+    """Before Blender 5.0 it is among the custom properties."""
+    empty()
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
+    bpy.context.object.data["mine"] = 7
+    bpy.ops.spectral_tv.decompose(bands=2, steps=4)
+    source, target = tmp_path / "in.blend", tmp_path / "out.gltf"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    assert decompose(source, target) == 0
+    extras = [mesh.get("extras", {}) for mesh in json.loads(target.read_text())["meshes"]]
+    assert [sorted(set(each) - {"targetNames"}) for each in extras] == [["mine"]]
