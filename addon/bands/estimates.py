@@ -3,15 +3,14 @@
 import spectral_tv
 
 from ..job.estimates import Needs, total
+from ..options.declaring import keywords
 from .settings import Settings
 
 
 def of_meshes(settings: Settings, *counts: int) -> Needs:
     """What decomposing meshes of so many vertices takes."""
-    arguments = settings.method_arguments(None, None)
-    if settings.is_adaptive:
-        arguments["accuracy"] = settings.accuracy
-    arguments |= {"steps": settings.steps, "eigenpairs": settings.eigenpairs}
+    arguments = {**settings.method_arguments(None, None), **keywords(settings)}
+    arguments["steps"] = settings.steps
     return total(
         [spectral_tv.estimate(count, **arguments) for count in counts], settings.is_adaptive
     )

@@ -8,8 +8,7 @@ from .arrays import corner_vertices, numbers, polygon_starts
 
 def coordinates(data: bpy.types.bpy_prop_collection) -> np.ndarray:
     """Flat float32 coordinates of vertices or shape key points."""
-    flat = numbers(data, "co", 3, dtype=np.float32)
-    return flat
+    return numbers(data, "co", 3, dtype=np.float32)
 
 
 def points(data: bpy.types.bpy_prop_collection) -> np.ndarray:

@@ -21,62 +21,76 @@ def waiting(start: Callable[P, Job[T]]) -> Callable[P, T]:
 
     A signal such as Ctrl-C, and an exception from ``progress``, end the work and are passed on.
     """
-    plain = inspect.signature(start)
+    shown = _shown(start)
 
     @functools.wraps(start)
     def wait(*args: P.args, **kwargs: P.kwargs) -> T:
-        bound = plain.bind(*args, **kwargs)
+        bound = shown.bind(*args, **kwargs)  # which refuses what is no option of the function
         progress = bound.arguments.pop("progress", None)
         result: T = start(*bound.args, **bound.kwargs)._wait(progress)
         return result
 
-    _show(wait, plain)
+    _tell(wait, shown, _documentation(start))
     return wait
 
 
 def starting(wait: Callable[P, T]) -> Callable[P, Job[T]]:
     """The twin of a waiting function that returns the job at once, and takes no ``progress``."""
     start: Callable[P, Job[T]] = wait.__wrapped__  # type: ignore[attr-defined]
-    plain = _without_progress(inspect.signature(start))
+    everything = inspect.signature(wait)
+    kept = [each for name, each in everything.parameters.items() if name != "progress"]
+    shown = everything.replace(parameters=kept)
 
     @functools.wraps(start)
     def begin(*args: P.args, **kwargs: P.kwargs) -> Job[T]:
-        bound = plain.bind(*args, **kwargs)
+        bound = shown.bind(*args, **kwargs)
         return start(*bound.args, **bound.kwargs)
 
     name = start.__name__
     begin.__name__ = begin.__qualname__ = f"start_{name}"
-    begin.__doc__ = (
-        f"Start `{name}` in a thread of its own and return the `Job` at once.\n\n"
-        f"    It takes the arguments of `{name}`, without `progress`.\n    "
-    )
-    _show(begin, plain)
+    text = f"""Start `{name}` in a thread of its own and return the `Job` at once.
+
+    It takes the arguments of `{name}`, without `progress`.
+    """
+    _tell(begin, shown, text)
     return begin
 
 
 def spelled(function: Callable[P, T]) -> Callable[P, T]:
     """Have `help` show every option in place of `**options`, with its default."""
-    _show(function, inspect.signature(function))
+    _tell(function, _shown(function), _documentation(function))
     return function
 
 
-def _without_progress(signature: inspect.Signature) -> inspect.Signature:
-    kept = [each for name, each in signature.parameters.items() if name != "progress"]
-    return signature.replace(parameters=kept)
+def _options_of(function: Callable[..., Any]) -> type | None:
+    """The options that the function takes by `**options`, if it does."""
+    *_, last = inspect.signature(function).parameters.values()
+    is_open = last.kind is inspect.Parameter.VAR_KEYWORD
+    return last.annotation.__args__[0] if is_open else None
 
 
-def _show(function: Any, signature: inspect.Signature) -> None:
-    """Show names and defaults; types stand in the text, and in the annotations for checkers."""
+def _shown(function: Callable[..., Any]) -> inspect.Signature:
+    """Names and defaults, with every option in place of `**options`; types stand in the text."""
     empty = inspect.Parameter.empty
-    shown = [each.replace(annotation=empty) for each in signature.parameters.values()]
-    *_, last = signature.parameters.values()
-    if last.kind is inspect.Parameter.VAR_KEYWORD:
-        (options,) = last.annotation.__args__
-        kind = inspect.Parameter.KEYWORD_ONLY
-        names = get_type_hints(options)
+    given = inspect.signature(function).parameters.values()
+    shown = [each.replace(annotation=empty) for each in given]
+    options = _options_of(function)
+    if options is not None:
+        kind, names = inspect.Parameter.KEYWORD_ONLY, get_type_hints(options)
         shown[-1:] = [inspect.Parameter(name, kind, default=DEFAULTS[name]) for name in names]
-        function.__doc__ = function.__doc__.replace("    {options}", documented(options))
-    function.__signature__ = inspect.Signature(shown)
+    return inspect.Signature(shown)
+
+
+def _documentation(function: Callable[..., Any]) -> str:
+    """The function's own, with an entry for every option."""
+    text, options = function.__doc__ or "", _options_of(function)
+    return text if options is None else text.replace("    {options}", documented(options))
+
+
+def _tell(function: Any, shown: inspect.Signature, text: str) -> None:
+    """Have `help` show this."""
+    function.__signature__ = shown
+    function.__doc__ = text
 
 
 def documented(options: type) -> str:

@@ -36,6 +36,13 @@ def test_large_ones_of_every_method_are_told_and_those_beyond_all_memory_refused
     )
 
 
+def test_options_of_other_methods_that_were_chosen_before_do_not_count():
+    for method in ("M1", "M3", "LB", "DISPLACEMENT"):
+        chosen = settings(method=method, eigenpairs=500, metric="BASE", accuracy=0.05)
+        found = estimates("bands").of_meshes(chosen, 10**13)
+        assert found.is_least == (method in ("M1", "M3"))
+
+
 def test_an_accuracy_takes_at_least_what_is_told():
     chosen = settings(accuracy=0.05)
     found = estimates("bands").of_meshes(chosen, 10**13)

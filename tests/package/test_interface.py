@@ -118,6 +118,21 @@ def test_signatures_spell_out_options_with_the_defaults_of_the_library():
         spectral_tv.decompose(spectral_tv.Mesh(*icosphere(1)), stepz=3)
 
 
+def test_options_of_other_functions_are_refused():
+    """They would be of no account."""
+    mesh = spectral_tv.Mesh(*icosphere(1))
+    calls = [
+        lambda: spectral_tv.flow(mesh, mesh.vertices, [0, 0.1], accuracy=0.1),
+        lambda: spectral_tv.start_flow(mesh, mesh.vertices, [0, 0.1], p=3),
+        lambda: spectral_tv.accuracy(mesh, steps=[2], accuracy=0.1),
+        lambda: spectral_tv.decompose_image(np.eye(4), base_time=None),
+        lambda: spectral_tv.start_decompose(mesh, progress=print),
+    ]
+    for call in calls:
+        with pytest.raises(TypeError, match="unexpected keyword argument"):
+            call()
+
+
 def test_facts_of_methods_are_those_that_decompose_goes_by():
     mesh = spectral_tv.Mesh(*icosphere(1))
     values = {"p": 2, "base": mesh.vertices / 2, "base_time": 0.1, "metric": "base"}

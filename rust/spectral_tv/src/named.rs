@@ -11,9 +11,8 @@ pub trait Named: Copy + PartialEq + 'static {
 
     /// The name of this variant.
     fn name(self) -> &'static str {
-        let names = Self::NAMES.iter();
-        let found = names.filter_map(|&(variant, name)| (variant == self).then_some(name));
-        found.last().unwrap_or_default()
+        let found = Self::NAMES.iter().find(|(variant, _)| *variant == self);
+        found.map_or("", |(_, name)| name)
     }
 
     /// The variant of a name.
