@@ -23,6 +23,8 @@ pub struct Exaggeration {
     pub to: f64,
     /// What the band is multiplied by.
     pub gain: f64,
+    /// κ of the thickness cut, see [`crate::method::Decomposition::bands_keeping_limbs`]; 0: none.
+    pub keep_limbs: f64,
 }
 
 impl Exaggeration {
@@ -97,7 +99,10 @@ pub fn caricature(
         let split = decompose_with(mesh, settings, stage)?;
         let times = split.component_times().iter();
         let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();
-        split.filter(&gains)
+        match filter.keep_limbs == 0.0 {
+            true => split.filter(&gains),
+            false => split.filter_keeping_limbs(&gains, filter.keep_limbs, stage),
+        }
     };
     meshes.iter().enumerate().map(treat).collect()
 }

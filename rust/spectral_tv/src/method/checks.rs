@@ -2,6 +2,7 @@
 
 use crate::error::{ArgumentError, Result};
 use crate::flow::{Scheme, check_steps, no_exact_steps};
+use crate::method::Base;
 use crate::method::adaptive_steps::check_accuracy;
 use crate::method::facts::{Work, named_where};
 use crate::method::options::{OPTIONS, Settings};
@@ -17,6 +18,10 @@ impl Settings {
         if !(1..=3).contains(&self.p) {
             return Err(ArgumentError::value("p", "must be 1, 2 or 3", self.p).into());
         }
+        if !(0.0..=1.0).contains(&self.soft_edges) {
+            let found = format_args!("{:?}", self.soft_edges);
+            return Err(ArgumentError::value("soft_edges", "must be from 0 to 1", found).into());
+        }
         if self.eigenpairs == 0 {
             return Err(ArgumentError::value("eigenpairs", "must be at least 1", 0).into());
         }
@@ -26,6 +31,11 @@ impl Settings {
         if self.stepping.scheme == Scheme::Exact && !facts.has_exact_steps() {
             return Err(no_exact_steps());
         }
+        if self.stepping.scheme == Scheme::Exact && self.soft_edges > 0.0 {
+            let message =
+                "exact steps are those of total variation, so they do not go with soft_edges";
+            return Err(ArgumentError::contradiction("scheme", &["soft_edges"], message).into());
+        }
         let default = Self::default();
         for option in OPTIONS {
             if !(option.applies)(self.method) && (option.get)(self) != (option.get)(&default) {
@@ -34,7 +44,7 @@ impl Settings {
                 return Err(ArgumentError::inapplicable(name, message).into());
             }
         }
-        if self.base.is_some() && self.base_time.is_some() {
+        if matches!(self.base, Base::Shape(_)) && self.base_time.is_some() {
             let message = "base_time smooths the mesh itself, so it does not go with base";
             return Err(ArgumentError::contradiction("base_time", &["base"], message).into());
         }

@@ -1,11 +1,9 @@
 //! The options of a decomposition: each is declared once, with its default and the methods it is for.
 
-use ndarray::Array2;
-
 use crate::error::Result;
 use crate::flow::{Scheme, Stepping};
 use crate::method::value::{Held, Kind, Value};
-use crate::method::{Method, Metric};
+use crate::method::{Base, Flowing, Method, Metric};
 use crate::solver::Solver;
 
 /// An option: its name, for which methods it is, and its place in [`Settings`].
@@ -87,10 +85,15 @@ options! {
         accuracy: Option<f64> = None, |method| method.facts().takes_steps();
         /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
         p: u32 = 3, |method| method == Method::ConformalLaplace;
-        /// The smooth base Ŝ, (3, V); `None`: the shape itself under conformalized mean curvature flow.
-        base: Option<Array2<f64>> = None, |method| method.facts().takes_base;
-        /// How long that flow is, length²; `None`: 5e-3 of the area.
+        /// How soft M1's edges are, from 0 to 1: 0 is TV, more bounds the weight, see
+        /// [`crate::flow::TotalVariation::with_soft_edges`].
+        soft_edges: f64 = 0.0, |method| method == Method::ShapeTv;
+        /// The smooth base Ŝ.
+        base: Base = Base::default(), |method| method.facts().takes_base;
+        /// How long the flow to it is, length²; `None`: 5e-3 of the area, or 3e-3 where limbs are kept.
         base_time: Option<f64> = None, |method| method.facts().takes_base;
+        /// What M3 flows of the displacement from its base.
+        displacement: Flowing = Flowing::default(), |method| method == Method::DirectionalTv;
         /// The metric in which M3 flows: that of the shape or of its base.
         metric: Metric = Metric::default(), |method| method == Method::DirectionalTv;
         /// Number of the lowest eigenpairs that are used.
