@@ -168,7 +168,7 @@ impl Deformer {
     ) -> Result<Job, Failure> {
         let targets = arrays::positions("targets", targets)?;
         let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
-        let work = move |stage: Stage| take(stage)?.get().solve(&targets, tolerance, stage);
+        let work = move |stage: Stage| take(stage)?.get().solve_with(&targets, tolerance, stage);
         Job::start(work, move |py, solution| shape.deformed(py, solution))
     }
 
@@ -186,7 +186,7 @@ impl Deformer {
         let work = move |stage: Stage| {
             take(stage)?
                 .get()
-                .solve_sequence(&sequence, tolerance, stage)
+                .solve_sequence_with(&sequence, tolerance, stage)
         };
         Job::start(work, move |py, solutions| {
             let deformed = solutions
@@ -221,7 +221,7 @@ impl Deformer {
         let shape = Arc::new(Shape::new(mesh.get(), &constraints));
         let surface = &mesh.get().inner;
         let inner = guarded(py, |stage| {
-            let mut inner = deformation::Deformer::new(surface, constraints, softness, stage)?;
+            let mut inner = deformation::Deformer::new_with(surface, constraints, softness, stage)?;
             if let Some((displacement, is_at_rest)) = state {
                 inner.set_state(displacement, is_at_rest)?;
             }

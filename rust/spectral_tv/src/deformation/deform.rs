@@ -14,7 +14,7 @@ use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::named::named;
 use crate::operators::{positions, total_variation};
 
@@ -62,11 +62,40 @@ impl Default for Settings {
 
 /// Takes the constrained vertices of `mesh` to `targets` (K positions).
 ///
+/// ```
+/// use spectral_tv::deformation::{Constraints, Settings, deform};
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// // Vertices 0 and 1 stay, vertex 3 moves up; vertex 2 follows.
+/// let targets = [[0., 0., 0.], [1., 0., 0.], [0.3, 0.3, 2.]];
+/// let constraints = Constraints::new(&mesh, &[0, 1, 3], None)?;
+/// let found = deform(&mesh, constraints, &targets, Settings::default())?;
+/// assert!((found.displacement[[2, 3]] - 1.0).abs() < 1e-9);
+/// assert!(found.gap < 1e-3);
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
 /// If the targets do not fit the constraints (their number; finite; no two for one vertex), the
 /// tolerance is not in (0, 1), softness is negative or goes with another algorithm than the
-/// convex one, a system cannot be solved; or [`crate::Error::Cancelled`].
+/// convex one, or a system cannot be solved.
 pub fn deform(
+    mesh: &TriangleMesh,
+    constraints: Constraints,
+    targets: &[[f64; 3]],
+    settings: Settings,
+) -> Result<Deformation> {
+    deform_with(mesh, constraints, targets, settings, Monitor::new().whole())
+}
+
+/// [`deform`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`deform`], or [`crate::Error::Cancelled`].
+pub fn deform_with(
     mesh: &TriangleMesh,
     constraints: Constraints,
     targets: &[[f64; 3]],
@@ -80,8 +109,8 @@ pub fn deform(
     } = settings;
     check_tolerance(tolerance)?;
     if algorithm == Algorithm::Convex {
-        let mut deformer = Deformer::new(mesh, constraints, softness, stage)?;
-        return deformer.solve(targets, tolerance, stage);
+        let mut deformer = Deformer::new_with(mesh, constraints, softness, stage)?;
+        return deformer.solve_with(targets, tolerance, stage);
     }
     if softness != 0.0 {
         return Err(ArgumentError::inapplicable(
@@ -93,7 +122,7 @@ pub fn deform(
     let needed = needs::deformation_for_comparison(needs::Size::of(mesh));
     require(needed, mesh, stage)?;
     let targets = constraints.targets(targets)?;
-    let operators = Discretization::new(mesh, stage)?;
+    let operators = Discretization::new_with(mesh, stage)?;
     operators.check_gradients(targets.spread())?;
     let problem = Problem {
         operators: &operators,

@@ -19,6 +19,6 @@ mod rotation;
 mod span;
 
 pub use constraints::Constraints;
-pub use deform::{Algorithm, Settings, deform};
+pub use deform::{Algorithm, Settings, deform, deform_with};
 pub use deformer::Deformer;
 pub use outcome::Deformation;

@@ -78,7 +78,7 @@ impl Representation {
                     Metric::Surface => tv(found.distance.clone())?,
                     Metric::Base => {
                         let base = with_shape(mesh, &found.base)?;
-                        let operators = Discretization::new(&base, stage)?;
+                        let operators = Discretization::new_with(&base, stage)?;
                         let flowed = tv_on(&operators, found.distance.clone())?;
                         along = Some((base, operators));
                         flowed

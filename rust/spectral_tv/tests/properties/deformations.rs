@@ -4,7 +4,6 @@ use proptest::prelude::*;
 
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformation, deform};
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::monitor::Monitor;
 
 use crate::random::mesh;
 use crate::{GAP, config};
@@ -19,8 +18,7 @@ fn bent(mesh: &TriangleMesh, pull: [f64; 3], algorithm: Algorithm) -> Deformatio
         softness: 0.0,
         tolerance: GAP,
     };
-    let monitor = Monitor::new();
-    deform(mesh, constraints, &targets, settings, monitor.whole()).unwrap()
+    deform(mesh, constraints, &targets, settings).unwrap()
 }
 
 proptest! {
