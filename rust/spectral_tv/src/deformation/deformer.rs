@@ -146,17 +146,17 @@ impl Deformer {
         })
     }
 
-    /// The last displacement, (3, V), before floating pieces were carried; and whether there is none
-    /// yet to start from. Another deformer that is given it goes on alike.
-    pub fn state(&self) -> (&Array2<f64>, bool) {
-        (&self.state, self.is_at_rest)
+    /// The last displacement, (3, V), before floating pieces were carried; `None` if there is none
+    /// to start from. Another deformer that is given it goes on alike.
+    pub fn state(&self) -> Option<&Array2<f64>> {
+        (!self.is_at_rest).then_some(&self.state)
     }
 
     /// Goes on from the state of another deformer of the same mesh and constraints.
     ///
     /// # Errors
     /// If it is not (3, V), or a number is not finite, or beyond 1e100.
-    pub fn set_state(&mut self, state: Array2<f64>, is_at_rest: bool) -> Result<()> {
+    pub fn set_state(&mut self, state: Array2<f64>) -> Result<()> {
         if state.dim() != self.state.dim() || unusable_values(state.view()).is_some() {
             return Err(ArgumentError::contradiction(
                 "state",
@@ -168,7 +168,7 @@ impl Deformer {
             )
             .into());
         }
-        (self.state, self.is_at_rest) = (state, is_at_rest);
+        (self.state, self.is_at_rest) = (state, false);
         Ok(())
     }
 
