@@ -40,7 +40,6 @@ pub(crate) use origin::without;
 pub(crate) use proximal::proximal_flow;
 #[cfg(test)]
 pub(crate) use semi_implicit::{Weights, semi_implicit_flow};
-pub(crate) use stepping::no_exact_steps;
 pub use stepping::{Scheme, Stepping};
 pub(crate) use times::{check_steps, check_times};
 pub use total_variation::TotalVariation;

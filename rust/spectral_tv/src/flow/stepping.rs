@@ -3,7 +3,7 @@
 use ndarray::Array2;
 
 use crate::discretization::Discretization;
-use crate::error::{ArgumentError, Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::flow::law::Law;
 use crate::flow::proximal::proximal_flow;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
@@ -97,7 +97,7 @@ impl Stepping {
     ///
     /// # Errors
     /// If the times do not increase from 0, a value is not finite, exact steps are asked for where
-    /// no step minimises TV, or a system cannot be solved; [`Error::Memory`] at once if the flow
+    /// no step minimises TV, or a system cannot be solved; [`crate::Error::Memory`] at once if the flow
     /// does not fit.
     pub fn run(
         self,
@@ -112,7 +112,7 @@ impl Stepping {
     /// [`Self::run`], watched: `stage` tells how far it is, and cancels it.
     ///
     /// # Errors
-    /// As [`Self::run`], or [`Error::Cancelled`].
+    /// As [`Self::run`], or [`crate::Error::Cancelled`].
     pub fn run_with(
         self,
         operators: &Discretization,
@@ -131,14 +131,17 @@ impl Stepping {
             None if law.is_total_variation() => {
                 proximal_flow(operators, self.tolerance, values, times, stage)
             }
-            None => Err(no_exact_steps()),
+            None => {
+                let reason = "exact steps exist for total-variation flows only";
+                Err(ArgumentError::inapplicable("scheme", reason).into())
+            }
         }
     }
 
     /// Has a flow of values (C, V) granted its memory.
     ///
     /// # Errors
-    /// [`Error::Memory`].
+    /// [`crate::Error::Memory`].
     pub(crate) fn require(
         self,
         size: needs::Size,
@@ -154,9 +157,4 @@ impl Stepping {
             "take fewer steps or vertices",
         )
     }
-}
-
-pub(crate) fn no_exact_steps() -> Error {
-    let reason = "exact steps exist for total-variation flows only (naive, m1, m3)";
-    ArgumentError::inapplicable("scheme", reason).into()
 }

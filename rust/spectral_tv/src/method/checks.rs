@@ -1,7 +1,7 @@
 //! Checks of settings.
 
 use crate::error::{ArgumentError, Result};
-use crate::flow::{Scheme, check_steps, no_exact_steps};
+use crate::flow::{Scheme, check_steps};
 use crate::method::adaptive_steps::check_accuracy;
 use crate::method::facts::{Work, named_where};
 use crate::method::options::{OPTIONS, Settings};
@@ -24,7 +24,9 @@ impl Settings {
             check_accuracy(accuracy)?;
         }
         if self.stepping.scheme == Scheme::Exact && !facts.has_exact_steps() {
-            return Err(no_exact_steps());
+            let methods = named_where(|method| method.facts().has_exact_steps(), "and");
+            let message = format!("exact steps exist for {methods} only");
+            return Err(ArgumentError::inapplicable("scheme", message).into());
         }
         let default = Self::default();
         for option in OPTIONS {

@@ -4,6 +4,7 @@ use ndarray::Array2;
 
 use crate::error::Result;
 use crate::flow::{Scheme, Stepping};
+use crate::method::facts::Work;
 use crate::method::value::{Held, Kind, Value};
 use crate::method::{Method, Metric};
 use crate::solver::Solver;
@@ -79,7 +80,7 @@ options! {
     settings {
         /// N + 1 times from 0, length²; `None`: [`Settings::default_times`], or
         /// [`crate::flow::Eigenpairs::times`].
-        times: Option<Vec<f64>> = None, |method| method != Method::Displacement;
+        times: Option<Vec<f64>> = None, |method| method.facts().work != Work::Base;
         /// The number of steps N, if no times are given.
         steps: usize = 32, |_| true;
         /// The mean error of five even bands, relative to the bands: as many steps are taken as it
@@ -94,7 +95,7 @@ options! {
         /// The metric in which M3 flows: that of the shape or of its base.
         metric: Metric = Metric::default(), |method| method == Method::DirectionalTv;
         /// Number of the lowest eigenpairs that are used.
-        eigenpairs: usize = 300, |method| method == Method::LaplaceBeltrami;
+        eigenpairs: usize = 300, |method| method.facts().work == Work::Eigenpairs;
     }
     stepping {
         scheme: Scheme, |method| method.facts().takes_steps();
