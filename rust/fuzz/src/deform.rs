@@ -2,6 +2,7 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use ndarray::Array2;
+use spectral_tv::Named;
 use spectral_tv::deformation::{Algorithm, Constraints, Deformation, Deformer, Settings, deform};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::operators::positions;
@@ -86,14 +87,10 @@ pub struct Deform {
 }
 
 fn settings(input: &mut Unstructured) -> Result<Settings> {
-    let algorithm = *input.choose(&[
-        Algorithm::Convex,
-        Algorithm::Convex,
-        Algorithm::Paper,
-        Algorithm::Harmonic,
-        Algorithm::Biharmonic,
-        Algorithm::AsRigidAsPossible,
-    ])?;
+    let algorithm = match input.ratio(1, 4)? {
+        true => Algorithm::Convex,
+        false => input.choose(Algorithm::NAMES)?.0,
+    };
     Ok(Settings {
         algorithm,
         softness: softness(input, algorithm == Algorithm::Convex)?,

@@ -31,8 +31,7 @@ pub struct Decompose {
 impl Decompose {
     pub fn run(&self, mesh: &TriangleMesh) {
         let settings = self.recipe.settings(mesh);
-        let Some(split) = unless_refused(decompose(mesh, &settings))
-        else {
+        let Some(split) = unless_refused(decompose(mesh, &settings)) else {
             return;
         };
         let components = split.component_times().len();

@@ -2,41 +2,21 @@
 
 use ndarray::Array2;
 
-use crate::deformation::as_rigid_as_possible::as_rigid_as_possible;
+use crate::deformation::algorithm::Algorithm;
 use crate::deformation::constraints::Constraints;
 use crate::deformation::deformer::{Deformer, require};
 use crate::deformation::outcome::{Deformation, carried};
-use crate::deformation::problem::Problem;
-use crate::deformation::quadratic::{biharmonic, harmonic};
-use crate::deformation::reweighted::reweighted;
+use crate::deformation::problem::{Problem, Task};
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
 use crate::monitor::{Monitor, Stage};
-use crate::named::named;
-use crate::operators::{positions, total_variation};
+use crate::operators::total_variation;
 
 /// ε of the dual field that certifies a displacement, relative to its mean gradient.
 const CERTIFICATE_SMOOTHING: f64 = 1e-3;
-
-named! {
-    /// How a deformation is found.
-    pub enum Algorithm: "algorithm" {
-        /// The convex problem itself: least TV(d), to a duality gap.
-        #[default]
-        Convex = "convex",
-        /// Algorithm 1 of Brokman et al. 2024: reweighted least squares of the subgradient.
-        Paper = "paper",
-        /// Least ∫|∇d|²: linear.
-        Harmonic = "harmonic",
-        /// Least ∫|Δd|²: linear, smooth at the handles.
-        Biharmonic = "biharmonic",
-        /// As-rigid-as-possible surface modeling (Sorkine and Alexa 2007).
-        AsRigidAsPossible = "arap",
-    }
-}
 
 /// How to deform.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,10 +88,10 @@ pub fn deform_with(
         tolerance,
     } = settings;
     check_tolerance(tolerance)?;
-    if algorithm == Algorithm::Convex {
+    let Some(comparison) = algorithm.comparison() else {
         let mut deformer = Deformer::new_with(mesh, constraints, softness, stage)?;
         return deformer.solve_with(targets, tolerance, stage);
-    }
+    };
     if softness != 0.0 {
         return Err(ArgumentError::inapplicable(
             "softness",
@@ -134,14 +114,12 @@ pub fn deform_with(
     if targets.radius == 0.0 {
         return Ok(carried(&targets));
     }
-    let (mut displacement, iterations) = match algorithm {
-        Algorithm::Harmonic => (harmonic(problem, stage)?, 1),
-        Algorithm::Biharmonic => (biharmonic(problem, stage)?, 1),
-        Algorithm::Paper => reweighted(problem, tolerance, stage)?,
-        Algorithm::Convex | Algorithm::AsRigidAsPossible => {
-            as_rigid_as_possible(problem, &positions(mesh), tolerance, stage)?
-        }
-    };
+    let (mut displacement, iterations) = comparison(Task {
+        mesh,
+        problem,
+        tolerance,
+        stage,
+    })?;
     stage.report(1.0)?;
     let total_variation = total_variation(operators.gradient(), displacement.view());
     let gap = certified_gap(problem, &displacement, stage)?;

@@ -1,13 +1,11 @@
 //! The flow of a function on a mesh.
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
 use crate::discretization::Discretization;
 use crate::error::Result;
-use crate::flow::heat::Heat;
 use crate::flow::law::Law;
 use crate::flow::stepping::Stepping;
-use crate::flow::total_variation::TotalVariation;
 use crate::flow::trajectory::Trajectory;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
@@ -19,21 +17,14 @@ named! {
     pub enum Operator: "operator" {
         /// u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), channels coupled.
         #[default]
-        TotalVariation = "tv",
+        TotalVariation = "tv" => {
+            Ok(Box::new(super::total_variation::TotalVariation::starting_at(operators, start)?))
+        },
         /// u_t = Δu (Eq. 12).
-        Heat = "heat",
+        Heat = "heat" => Ok(Box::new(super::heat::Heat)),
     }
-}
-
-impl Operator {
-    fn law(self, operators: &Discretization, values: &Array2<f64>) -> Result<Box<dyn Law>> {
-        Ok(match self {
-            Self::TotalVariation => {
-                Box::new(TotalVariation::starting_at(operators, values.view())?)
-            }
-            Self::Heat => Box::new(Heat),
-        })
-    }
+    /// The law for a function that is `start`, (C, V), at first.
+    fn law(self, operators: &Discretization, start: ArrayView2<f64>) -> Result<Box<dyn Law>>;
 }
 
 /// Flows a function with the `values` (C, V) on `mesh` through `times`, which increase from 0: in the
@@ -84,6 +75,6 @@ pub fn flow_with(
     stepping.check()?;
     stepping.require(needs::Size::of(mesh), values.dim(), times, stage)?;
     let operators = Discretization::new_with(mesh, stage)?;
-    let law = operator.law(&operators, &values)?;
+    let law = operator.law(&operators, values.view())?;
     stepping.run_with(&operators, &*law, values, times, stage)
 }

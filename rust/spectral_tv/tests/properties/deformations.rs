@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 
+use spectral_tv::Named;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformation, deform};
 use spectral_tv::mesh::TriangleMesh;
 
@@ -27,10 +28,7 @@ proptest! {
     #[test]
     fn no_deformation_stretches_less_than_the_convex_one(
         mesh in mesh(), pull in prop::array::uniform3(-3.0..3.0_f64),
-        algorithm in prop_oneof![
-            Just(Algorithm::Paper), Just(Algorithm::Harmonic),
-            Just(Algorithm::Biharmonic), Just(Algorithm::AsRigidAsPossible)
-        ]
+        (algorithm, _) in prop::sample::select(Algorithm::NAMES)
     ) {
         let least = bent(&mesh, pull, Algorithm::Convex);
         let other = bent(&mesh, pull, algorithm);
