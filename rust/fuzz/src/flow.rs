@@ -42,7 +42,7 @@ impl Flow {
             0 => Some(Box::new(Heat)),
             1 => unless_refused(ConformalLaplace::new(mesh, &operators, 3))
                 .map(|law| Box::new(law) as Box<dyn Law>),
-            _ => unless_refused(TotalVariation::starting_at(&operators, values.view()))
+            _ => unless_refused(TotalVariation::default().starting_at(&operators, values.view()))
                 .map(|law| Box::new(law) as Box<dyn Law>),
         };
         // The conformal law is for positions.

@@ -12,7 +12,7 @@ use ndarray::{Array1, Array2};
 use spectral_tv::Result;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
 use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{Scheme, Stepping, Trajectory};
+use spectral_tv::flow::{Scheme, Stepping, TotalVariation, Trajectory};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{Settings, decompose, graded_times};
 use spectral_tv::solver::Solver;
@@ -129,7 +129,7 @@ fn exact_shape(mesh: &TriangleMesh) -> Result<()> {
 
 fn exact(mesh: &TriangleMesh, values: Array2<f64>, times: &[f64]) -> Result<()> {
     let operators = Discretization::new(mesh)?;
-    let law = spectral_tv::flow::TotalVariation::starting_at(&operators, values.view())?;
+    let law = TotalVariation::default().starting_at(&operators, values.view())?;
     let stepping = Stepping {
         scheme: Scheme::Exact,
         ..Stepping::default()

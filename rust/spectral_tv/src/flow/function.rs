@@ -18,7 +18,8 @@ named! {
         /// u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), channels coupled.
         #[default]
         TotalVariation = "tv" => {
-            Ok(Box::new(super::total_variation::TotalVariation::starting_at(operators, start)?))
+            let law = super::total_variation::TotalVariation::default();
+            Ok(Box::new(law.starting_at(operators, start)?))
         },
         /// u_t = Δu (Eq. 12).
         Heat = "heat" => Ok(Box::new(super::heat::Heat)),

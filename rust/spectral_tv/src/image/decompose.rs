@@ -159,7 +159,7 @@ pub fn decompose_image_with(
     )?;
     let mesh = grid(&image.values, rows, columns, settings.scale(contrast))?;
     let operators = Discretization::new_with(&mesh, stage)?;
-    let law = TotalVariation::starting_at(&operators, image.values.view())?;
+    let law = TotalVariation::default().starting_at(&operators, image.values.view())?;
     let values = image.values.clone();
     let mut flow = settings
         .stepping

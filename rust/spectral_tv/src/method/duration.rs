@@ -120,7 +120,7 @@ fn measured_pace() -> Result<f64> {
     let times = graded_times(1e-5 * mesh.area(), 3e-3 * mesh.area(), STEPS)?;
     let operators = Discretization::new(&mesh)?;
     let shape = positions(&mesh);
-    let law = TotalVariation::starting_at(&operators, shape.view())?;
+    let law = TotalVariation::default().starting_at(&operators, shape.view())?;
     let stepping = Stepping {
         solver: Solver::Cholesky,
         ..Stepping::default()

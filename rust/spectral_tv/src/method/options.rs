@@ -3,7 +3,7 @@
 use ndarray::Array2;
 
 use crate::error::Result;
-use crate::flow::{Scheme, Stepping};
+use crate::flow::{Scheme, Stepping, TotalVariation};
 use crate::method::facts::Work;
 use crate::method::value::{Held, Kind, Value};
 use crate::method::{Method, Metric};
@@ -41,11 +41,14 @@ macro_rules! choice {
     };
 }
 
-/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`.
+/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`. What
+/// other types hold, with the defaults that they have, is in groups of their own.
 macro_rules! options {
     (
         settings { $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr;)+ }
-        stepping { $($step:ident: $step_type:ty, $step_applies:expr;)+ }
+        $($(#[$group_doc:meta])* $group:ident: $group_type:ty {
+            $($inner:ident: $inner_type:ty, $inner_applies:expr;)*
+        })+
     ) => {
         /// The settings of a decomposition. An option that the method does not take has to have its
         /// default; else it is refused. See [`OPTIONS`].
@@ -53,8 +56,7 @@ macro_rules! options {
         pub struct Settings {
             /// The method.
             pub method: Method,
-            /// How steps are taken.
-            pub stepping: Stepping,
+            $($(#[$group_doc])* pub $group: $group_type,)+
             $($(#[$doc])* pub $field: $type,)+
         }
 
@@ -62,7 +64,7 @@ macro_rules! options {
             fn default() -> Self {
                 Self {
                     method: Method::default(),
-                    stepping: Stepping::default(),
+                    $($group: <$group_type>::default(),)+
                     $($field: $default,)+
                 }
             }
@@ -71,7 +73,7 @@ macro_rules! options {
         /// Every option besides the method.
         pub const OPTIONS: &[Choice] = &[
             $(choice!($field, $type, $applies, $field),)+
-            $(choice!($step, $step_type, $step_applies, stepping.$step),)+
+            $($(choice!($inner, $inner_type, $inner_applies, $group.$inner),)*)+
         ];
     };
 }
@@ -97,11 +99,14 @@ options! {
         /// Number of the lowest eigenpairs that are used.
         eigenpairs: usize = 300, |method| method.facts().work == Work::Eigenpairs;
     }
-    stepping {
+    /// How steps are taken.
+    stepping: Stepping {
         scheme: Scheme, |method| method.facts().takes_steps();
         tolerance: f64, |_| true;
         solver: Solver, |_| true;
     }
+    /// The law of methods that flow by total variation, before it knows the function.
+    total_variation: TotalVariation {}
 }
 
 impl Choice {
