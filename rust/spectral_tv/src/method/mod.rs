@@ -23,7 +23,6 @@ mod settings;
 mod value;
 
 pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy, accuracy_with};
-pub use adaptive_steps::check_accuracy;
 pub use caricature::{Exaggeration, caricature, caricature_with};
 pub use decompose::{decompose, decompose_with};
 pub use decomposition::Decomposition;

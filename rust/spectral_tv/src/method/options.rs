@@ -19,15 +19,34 @@ pub struct Choice {
     pub is_optional: bool,
     /// Whether a method takes it.
     pub applies: fn(Method) -> bool,
+    /// What a value has to be, and whether that of settings is so; `None` if all are fit.
+    pub(super) rule: Option<Rule>,
     /// Its value.
     pub get: fn(&Settings) -> Value,
     set: fn(&mut Settings, Value) -> Result<()>,
 }
 
+/// "must be at least 1", and whether it is.
+pub(super) type Rule = (&'static str, fn(&Settings) -> bool);
+
+/// A rule of a row.
+macro_rules! rule {
+    ($type:ty, $($place:ident).+) => {
+        None
+    };
+    ($type:ty, $($place:ident).+, $rule:literal: $holds:expr) => {
+        Some(($rule, |settings| {
+            let holds: fn(&$type) -> bool = $holds;
+            holds(&settings.$($place).+)
+        }))
+    };
+}
+
 /// A row of the table of options.
 macro_rules! choice {
-    ($name:ident, $type:ty, $applies:expr, $($place:ident).+) => {
+    ($name:ident, $type:ty, $applies:expr, $rule:expr, $($place:ident).+) => {
         Choice {
+            rule: $rule,
             name: stringify!($name),
             kind: <$type>::KIND,
             is_optional: <$type>::IS_OPTIONAL,
@@ -41,13 +60,18 @@ macro_rules! choice {
     };
 }
 
-/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`. What
-/// other types hold, with the defaults that they have, is in groups of their own.
+/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`, with
+/// `, "rule": holds` where not all values are fit. What other types hold, with the defaults that they
+/// have, is in groups of their own.
 macro_rules! options {
     (
-        settings { $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr;)+ }
+        settings {
+            $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr
+                $(, $rule:literal: $holds:expr)?;)+
+        }
         $($(#[$group_doc:meta])* $group:ident: $group_type:ty {
-            $($inner:ident: $inner_type:ty, $inner_applies:expr;)*
+            $($inner:ident: $inner_type:ty, $inner_applies:expr
+                $(, $inner_rule:literal: $inner_holds:expr)?;)*
         })+
     ) => {
         /// The settings of a decomposition. An option that the method does not take has to have its
@@ -72,8 +96,13 @@ macro_rules! options {
 
         /// Every option besides the method.
         pub const OPTIONS: &[Choice] = &[
-            $(choice!($field, $type, $applies, $field),)+
-            $($(choice!($inner, $inner_type, $inner_applies, $group.$inner),)*)+
+            $(choice!(
+                $field, $type, $applies, rule!($type, $field $(, $rule: $holds)?), $field
+            ),)+
+            $($(choice!(
+                $inner, $inner_type, $inner_applies,
+                rule!($inner_type, $group.$inner $(, $inner_rule: $inner_holds)?), $group.$inner
+            ),)*)+
         ];
     };
 }
@@ -87,9 +116,12 @@ options! {
         steps: usize = 32, |_| true;
         /// The mean error of five even bands, relative to the bands: as many steps are taken as it
         /// needs, and given times are subdivided.
-        accuracy: Option<f64> = None, |method| method.facts().takes_steps();
+        accuracy: Option<f64> = None, |method| method.facts().takes_steps(),
+            "must be above 0, the relative error of bands":
+                |given| given.is_none_or(|accuracy| accuracy > 0.0 && accuracy.is_finite());
         /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
-        p: u32 = 3, |method| method == Method::ConformalLaplace;
+        p: u32 = 3, |method| method == Method::ConformalLaplace,
+            "must be 1, 2 or 3": |p| (1..=3).contains(p);
         /// The smooth base Ŝ, (3, V); `None`: the shape itself under conformalized mean curvature flow.
         base: Option<Array2<f64>> = None, |method| method.facts().takes_base;
         /// How long that flow is, length²; `None`: 5e-3 of the area.
@@ -97,7 +129,8 @@ options! {
         /// The metric in which M3 flows: that of the shape or of its base.
         metric: Metric = Metric::default(), |method| method == Method::DirectionalTv;
         /// Number of the lowest eigenpairs that are used.
-        eigenpairs: usize = 300, |method| method.facts().work == Work::Eigenpairs;
+        eigenpairs: usize = 300, |method| method.facts().work == Work::Eigenpairs,
+            "must be at least 1": |&count| count > 0;
     }
     /// How steps are taken.
     stepping: Stepping {
