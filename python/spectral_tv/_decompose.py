@@ -36,9 +36,9 @@ def decompose(
     {method}
     times : (N+1,) array, optional
         Increasing from 0, length². Default: `steps` times, evenly spaced at first and then in
-        log t, up to 3e-3 of the area for "m1", "naive" and "heat" (hands and feet), 1e-2 for
-        "m2" (whole limbs) and 1e-3 for "m3" (plates and muscles). For "lb" from half the last
-        1/λ on, up to 3e-3 of the area or more. None for "displacement".
+        log t, between the method's `default_scales`: those of "m1" end at hands and feet, those
+        of "m2" at whole limbs, those of "m3" at plates and muscles. For "lb" from half the last
+        1/λ on. None for "displacement".
     steps : int
         The number of steps N, if no times are given.
     {progress}
