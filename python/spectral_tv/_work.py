@@ -87,11 +87,15 @@ def _shown(function: Callable[..., Any]) -> inspect.Signature:
 
 def _documentation(function: Callable[..., Any]) -> str:
     """The function's own, with entries in place of the names of parameters in braces."""
-    options = _options_of(function)
-    every = {"options": documented(get_type_hints(options, include_extras=True) if options else {})}
-    for each in inspect.signature(function).parameters.values():
-        every.setdefault(each.name, documented({each.name: each.annotation}))
-    return PLACE.sub(lambda place: every[place[1]], function.__doc__ or "")
+    parameters, options = inspect.signature(function).parameters, _options_of(function)
+
+    def entries(place: re.Match[str]) -> str:
+        name = place[1]
+        if options is not None and name == "options":
+            return documented(get_type_hints(options, include_extras=True))
+        return documented({name: parameters[name].annotation})
+
+    return PLACE.sub(entries, function.__doc__ or "")
 
 
 def _tell(function: Any, shown: inspect.Signature, text: str) -> None:
@@ -107,24 +111,30 @@ def documented(hints: Mapping[str, Any]) -> str:
 
 def _entry(name: str, hint: Any) -> list[str]:
     """The lines of one: what it is, its text, and the text of each choice."""
-    members, texts, told = _members(hint), [], []
-    is_optional = NoneType in members
-    if get_origin(members[0]) is Annotated and len(members) == 1 + is_optional:
-        annotation, text, *told = get_args(members[0])
-        members = _members(annotation)
+    members, is_optional = _members(hint)
+    texts, kinds = [], []
+    if len(members) == 1 and get_origin(members[0]) is Annotated:
+        annotation, text, *kinds = get_args(members[0])
+        members, can_be_none = _members(annotation)
+        is_optional |= can_be_none
         texts.append(text)
-    choices = [get_args(each) for each in members if get_origin(each) is Annotated]
-    words = [f'"{get_args(literal)[0]}"' for literal, _ in choices]
-    texts += [f"{word}: {text}" for word, (_, text) in zip(words, choices, strict=True)]
-    kind = "{" + ", ".join(words) + "}" if words else told[0] if told else members[0].__name__
-    end = ", optional" if is_optional or NoneType in members else ""
-    filled = [
-        textwrap.fill(text, WIDTH, initial_indent=MARGIN, subsequent_indent=MARGIN)
-        for text in texts
-    ]
-    return [f"    {name} : {kind}{end}", *filled]
+    choices = {}
+    for literal, text in (get_args(each) for each in members if get_origin(each) is Annotated):
+        (word,) = get_args(literal)
+        choices[f'"{word}"'] = text
+    if choices:
+        kinds = ["{" + ", ".join(choices) + "}"]
+    texts += [f"{word}: {text}" for word, text in choices.items()]
+    kind = kinds[0] if kinds else members[0].__name__
+    filled = (
+        textwrap.fill(each, WIDTH, initial_indent=MARGIN, subsequent_indent=MARGIN)
+        for each in texts
+    )
+    return [f"    {name} : {kind}{', optional' if is_optional else ''}", *filled]
 
 
-def _members(annotation: Any) -> tuple[Any, ...]:
-    """Those of a union, or the type itself."""
-    return get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
+def _members(annotation: Any) -> tuple[list[Any], bool]:
+    """Those of a union, or the type itself, but None; and whether None is among them."""
+    is_union = get_origin(annotation) in (Union, UnionType)
+    members = get_args(annotation) if is_union else (annotation,)
+    return [each for each in members if each is not NoneType], NoneType in members

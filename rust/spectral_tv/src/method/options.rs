@@ -182,6 +182,25 @@ mod tests {
     }
 
     #[test]
+    fn a_value_that_breaks_the_rule_of_its_option_is_told_with_the_rule() {
+        let refusal = |name: &str, value: Value| {
+            let mut settings = Settings::default();
+            let option = Choice::named(name).unwrap();
+            option.set(&mut settings, value).unwrap();
+            settings.check().unwrap_err().to_string()
+        };
+        let p = refusal("p", Value::Count(4));
+        assert_eq!(p, "p must be 1, 2 or 3, not 4");
+        let count = refusal("eigenpairs", Value::Count(0));
+        assert_eq!(count, "eigenpairs must be at least 1, not 0");
+        let accuracy = refusal("accuracy", Value::Number(f64::NAN));
+        assert!(
+            accuracy.starts_with("accuracy must be above 0, "),
+            "{accuracy}"
+        );
+    }
+
+    #[test]
     fn an_option_that_a_method_does_not_take_is_refused_unless_it_is_as_by_default() {
         let mut settings = Settings::m1();
         assert!(settings.check().is_ok());
