@@ -38,14 +38,12 @@ def caricature(
         What the band is multiplied by.
     smooth : float
         Detail that vanishes before this t/area, and is not in the band, is removed.
-    method : {"m3", "m1", "m2", "naive", "heat"}
-        As in `decompose`.
+    {method}
     steps : int
         Number of steps of each flow.
     keep_limbs : float
         As in `Decomposition.bands`; 0: off.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
 
     Returns
     -------

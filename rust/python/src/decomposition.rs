@@ -114,7 +114,7 @@ impl Decomposition {
             if keep_limbs == 0.0 {
                 return arrays::stacked(count, shape, inner.bands(&edges)?, stage);
             }
-            let bands = inner.bands_keeping_limbs(&edges, keep_limbs, stage)?;
+            let bands = inner.bands_keeping_limbs_with(&edges, keep_limbs, stage)?;
             arrays::stacked(count, shape, bands, stage)
         })?;
         Ok(task.wait(py, None)?.into_pyarray(py))
@@ -148,7 +148,7 @@ impl Decomposition {
             claim_functions(inner.transform(), stage)?;
             match keep_limbs == 0.0 {
                 true => inner.filter(&gains),
-                false => inner.filter_keeping_limbs(&gains, keep_limbs, stage),
+                false => inner.filter_keeping_limbs_with(&gains, keep_limbs, stage),
             }
         })?;
         let shape = task.wait(py, None)?;

@@ -14,54 +14,68 @@ const SMOOTHING: f64 = 1e-3;
 
 /// w = 1/√(|∇u|² + ε²): NETV for one channel (Brokman et al. 2024, Eq. 20), shape spectral TV
 /// (M1, Eq. 54) for the three coordinates.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
-    variation: Variation,
+    /// How soft edges are, σ from 0 to 1. 0: TV. Else w = max(1/√(|∇u|² + (σG)²), 1/G) for the mean
+    /// gradient G of the initial function. TV flattens a region at once, and what lies between it and
+    /// the next stretches. With a bounded weight regions fade along their rims, and no gradient grows
+    /// far beyond G. That flow is not zero-homogeneous.
+    pub soft_edges: f64,
+    /// G.
+    gradient: f64,
+}
+
+impl Default for TotalVariation {
+    /// The law for functions whose mean gradient is 1.
+    fn default() -> Self {
+        Self {
+            soft_edges: 0.0,
+            gradient: 1.0,
+        }
+    }
 }
 
 impl TotalVariation {
+    /// The law with edges that are so soft, for functions whose mean gradient is 1.
+    pub fn with_soft_edges(soft_edges: f64) -> Self {
+        Self {
+            soft_edges,
+            ..Self::default()
+        }
+    }
+
     /// The law for a flow that starts at `initial` (C, V); ε is 1e-3 of its mean gradient.
     ///
     /// # Errors
     /// If `initial` is not a finite function on the mesh.
-    pub fn starting_at(operators: &Discretization, initial: ArrayView2<f64>) -> Result<Self> {
-        let mean = mean_gradient(operators, initial)?;
-        let variation = Variation::smoothed(SMOOTHING * mean);
-        Ok(Self { variation })
-    }
-
-    /// The same with edges that are `softness` > 0 as soft: w = max(1/√(|∇u|² + (σG)²), 1/G) for the
-    /// softness σ and the mean gradient G of `initial`. TV flattens a region at once, and what lies
-    /// between it and the next stretches; with a bounded weight regions end gradually, and no gradient
-    /// grows far beyond G. The flow is not zero-homogeneous, so spectra are those of TV in shape only.
-    ///
-    /// # Errors
-    /// As [`Self::starting_at`].
-    pub fn with_soft_edges(
+    pub fn starting_at(
+        mut self,
         operators: &Discretization,
         initial: ArrayView2<f64>,
-        softness: f64,
     ) -> Result<Self> {
-        let steepest = mean_gradient(operators, initial)?;
-        let epsilon = softness * steepest;
-        let variation = Variation { epsilon, steepest };
-        Ok(Self { variation })
+        operators.check_values(initial)?;
+        let mean = total_variation(operators.gradient(), initial) / operators.area();
+        // A constant function has no gradient; any law keeps it as it is.
+        if mean > 0.0 {
+            self.gradient *= mean;
+        }
+        Ok(self)
     }
-}
-
-/// The mean |∇u| of values (C, V); 1 for a constant, which any law keeps as it is.
-fn mean_gradient(operators: &Discretization, values: ArrayView2<f64>) -> Result<f64> {
-    operators.check_values(values)?;
-    let mean = total_variation(operators.gradient(), values) / operators.area();
-    Ok(if mean > 0.0 { mean } else { 1.0 })
 }
 
 impl Law for TotalVariation {
     fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        self.variation.weights(gradient_norms)
+        let variation = match self.is_total_variation() {
+            true => Variation::smoothed(SMOOTHING * self.gradient),
+            false => Variation {
+                epsilon: self.soft_edges * self.gradient,
+                steepest: self.gradient,
+            },
+        };
+        variation.weights(gradient_norms)
     }
 
     fn is_total_variation(&self) -> bool {
-        self.variation.steepest.is_infinite()
+        self.soft_edges == 0.0
     }
 }

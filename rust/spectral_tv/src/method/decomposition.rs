@@ -5,7 +5,7 @@ use ndarray::Array2;
 use crate::error::{ArgumentError, Result, unusable_values};
 use crate::mesh::TriangleMesh;
 use crate::method::Displacement;
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::spectral::{SpectralTransform, ThicknessCut};
 use crate::thickness::thickness_with;
 
@@ -35,7 +35,7 @@ impl Decomposition {
     ) -> Result<Self> {
         Ok(Self {
             mesh: mesh.clone(),
-            spectrum: transform.spectrum(vertex_areas, stage)?,
+            spectrum: transform.spectrum_with(vertex_areas, stage)?,
             transform,
             displacement,
             vertex_areas: vertex_areas.to_vec(),
@@ -151,13 +151,25 @@ impl Decomposition {
     /// without the bands. 2 keeps limbs without hems and folds; more lets bands take more of them.
     ///
     /// # Errors
-    /// If the edges do not increase or κ is negative; or as [`thickness_with`].
+    /// If the edges do not increase or κ is not above 0; or as [`crate::thickness::thickness`].
     pub fn bands_keeping_limbs<'a>(
         &'a self,
         edges: &'a [f64],
         keep_limbs: f64,
+    ) -> Result<impl Iterator<Item = Array2<f64>> + use<'a>> {
+        self.bands_keeping_limbs_with(edges, keep_limbs, Monitor::new().whole())
+    }
+
+    /// [`Self::bands_keeping_limbs`], watched while the thickness is measured.
+    ///
+    /// # Errors
+    /// As [`Self::bands_keeping_limbs`], or [`crate::Error::Cancelled`].
+    pub fn bands_keeping_limbs_with<'a>(
+        &'a self,
+        edges: &'a [f64],
+        keep_limbs: f64,
         stage: Stage,
-    ) -> Result<impl Iterator<Item = Array2<f64>> + 'a> {
+    ) -> Result<impl Iterator<Item = Array2<f64>> + use<'a>> {
         let cut = ThicknessCut::new(keep_limbs, thickness_with(&self.mesh, stage)?)?;
         let bands = self.transform.bands_cut(edges, cut)?;
         Ok(bands.map(|band| self.displace(band)))
@@ -174,8 +186,17 @@ impl Decomposition {
     /// The same with limbs kept, as [`Self::bands_keeping_limbs`] does.
     ///
     /// # Errors
-    /// If `gains` are not N − 1 finite values or κ is negative; or as [`thickness_with`].
-    pub fn filter_keeping_limbs(
+    /// If `gains` are not N − 1 finite values or κ is not above 0; or as
+    /// [`crate::thickness::thickness`].
+    pub fn filter_keeping_limbs(&self, gains: &[f64], keep_limbs: f64) -> Result<Array2<f64>> {
+        self.filter_keeping_limbs_with(gains, keep_limbs, Monitor::new().whole())
+    }
+
+    /// [`Self::filter_keeping_limbs`], watched while the thickness is measured.
+    ///
+    /// # Errors
+    /// As [`Self::filter_keeping_limbs`], or [`crate::Error::Cancelled`].
+    pub fn filter_keeping_limbs_with(
         &self,
         gains: &[f64],
         keep_limbs: f64,

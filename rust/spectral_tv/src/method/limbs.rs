@@ -35,7 +35,8 @@ pub(super) fn keeping_limbs(
     stage: Stage,
 ) -> Result<Array2<f64>> {
     let shape = positions(mesh);
-    let law = TotalVariation::with_soft_edges(operators, shape.view(), SOFT_EDGES)?;
+    let law = TotalVariation::with_soft_edges(SOFT_EDGES);
+    let law = law.starting_at(operators, shape.view())?;
     let (finest, largest) = Method::ShapeTv.facts().scales;
     let times = graded_times(duration * (finest / largest), duration, STEPS)?;
     let stepping = Stepping {
@@ -43,7 +44,7 @@ pub(super) fn keeping_limbs(
         ..Stepping::default()
     };
     let share = stage.stage(0.0, FLOW_SHARE);
-    let trajectory = stepping.run(operators, &law, shape.clone(), &times, share)?;
+    let trajectory = stepping.run_with(operators, &law, shape.clone(), &times, share)?;
     let thickness = thickness_with(mesh, stage.stage(FLOW_SHARE, 1.0))?;
     let cut = ThicknessCut::new(KEEP_LIMBS, thickness)?;
     Ok(shape - cut.before(&trajectory, duration))

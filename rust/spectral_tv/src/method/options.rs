@@ -1,7 +1,8 @@
 //! The options of a decomposition: each is declared once, with its default and the methods it is for.
 
 use crate::error::Result;
-use crate::flow::{Scheme, Stepping};
+use crate::flow::{Scheme, Stepping, TotalVariation};
+use crate::method::facts::Work;
 use crate::method::value::{Held, Kind, Value};
 use crate::method::{Base, Flowing, Method, Metric};
 use crate::solver::Solver;
@@ -16,15 +17,34 @@ pub struct Choice {
     pub is_optional: bool,
     /// Whether a method takes it.
     pub applies: fn(Method) -> bool,
+    /// What a value has to be, and whether that of settings is so; `None` if all are fit.
+    pub(super) rule: Option<Rule>,
     /// Its value.
     pub get: fn(&Settings) -> Value,
     set: fn(&mut Settings, Value) -> Result<()>,
 }
 
+/// "must be at least 1", and whether it is.
+pub(super) type Rule = (&'static str, fn(&Settings) -> bool);
+
+/// A rule of a row.
+macro_rules! rule {
+    ($type:ty, $($place:ident).+) => {
+        None
+    };
+    ($type:ty, $($place:ident).+, $rule:literal: $holds:expr) => {
+        Some(($rule, |settings| {
+            let holds: fn(&$type) -> bool = $holds;
+            holds(&settings.$($place).+)
+        }))
+    };
+}
+
 /// A row of the table of options.
 macro_rules! choice {
-    ($name:ident, $type:ty, $applies:expr, $($place:ident).+) => {
+    ($name:ident, $type:ty, $applies:expr, $rule:expr, $($place:ident).+) => {
         Choice {
+            rule: $rule,
             name: stringify!($name),
             kind: <$type>::KIND,
             is_optional: <$type>::IS_OPTIONAL,
@@ -38,11 +58,19 @@ macro_rules! choice {
     };
 }
 
-/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`.
+/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`, with
+/// `, "rule": holds` where not all values are fit. What other types hold, with the defaults that they
+/// have, is in groups of their own.
 macro_rules! options {
     (
-        settings { $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr;)+ }
-        stepping { $($step:ident: $step_type:ty, $step_applies:expr;)+ }
+        settings {
+            $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr
+                $(, $rule:literal: $holds:expr)?;)+
+        }
+        $($(#[$group_doc:meta])* $group:ident: $group_type:ty {
+            $($inner:ident: $inner_type:ty, $inner_applies:expr
+                $(, $inner_rule:literal: $inner_holds:expr)?;)*
+        })+
     ) => {
         /// The settings of a decomposition. An option that the method does not take has to have its
         /// default; else it is refused. See [`OPTIONS`].
@@ -50,8 +78,7 @@ macro_rules! options {
         pub struct Settings {
             /// The method.
             pub method: Method,
-            /// How steps are taken.
-            pub stepping: Stepping,
+            $($(#[$group_doc])* pub $group: $group_type,)+
             $($(#[$doc])* pub $field: $type,)+
         }
 
@@ -59,7 +86,7 @@ macro_rules! options {
             fn default() -> Self {
                 Self {
                     method: Method::default(),
-                    stepping: Stepping::default(),
+                    $($group: <$group_type>::default(),)+
                     $($field: $default,)+
                 }
             }
@@ -67,8 +94,13 @@ macro_rules! options {
 
         /// Every option besides the method.
         pub const OPTIONS: &[Choice] = &[
-            $(choice!($field, $type, $applies, $field),)+
-            $(choice!($step, $step_type, $step_applies, stepping.$step),)+
+            $(choice!(
+                $field, $type, $applies, rule!($type, $field $(, $rule: $holds)?), $field
+            ),)+
+            $($(choice!(
+                $inner, $inner_type, $inner_applies,
+                rule!($inner_type, $group.$inner $(, $inner_rule: $inner_holds)?), $group.$inner
+            ),)*)+
         ];
     };
 }
@@ -77,17 +109,17 @@ options! {
     settings {
         /// N + 1 times from 0, length²; `None`: [`Settings::default_times`], or
         /// [`crate::flow::Eigenpairs::times`].
-        times: Option<Vec<f64>> = None, |method| method != Method::Displacement;
+        times: Option<Vec<f64>> = None, |method| method.facts().work != Work::Base;
         /// The number of steps N, if no times are given.
         steps: usize = 32, |_| true;
         /// The mean error of five even bands, relative to the bands: as many steps are taken as it
         /// needs, and given times are subdivided.
-        accuracy: Option<f64> = None, |method| method.facts().takes_steps();
+        accuracy: Option<f64> = None, |method| method.facts().takes_steps(),
+            "must be above 0, the relative error of bands":
+                |given| given.is_none_or(|accuracy| accuracy > 0.0 && accuracy.is_finite());
         /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
-        p: u32 = 3, |method| method == Method::ConformalLaplace;
-        /// How soft M1's edges are, from 0 to 1: 0 is TV, more bounds the weight, see
-        /// [`crate::flow::TotalVariation::with_soft_edges`].
-        soft_edges: f64 = 0.0, |method| method == Method::ShapeTv;
+        p: u32 = 3, |method| method == Method::ConformalLaplace,
+            "must be 1, 2 or 3": |p| (1..=3).contains(p);
         /// The smooth base Ŝ.
         base: Base = Base::default(), |method| method.facts().takes_base;
         /// How long the flow to it is, length²; `None`: 5e-3 of the area, or 3e-3 where limbs are kept.
@@ -97,12 +129,19 @@ options! {
         /// The metric in which M3 flows: that of the shape or of its base.
         metric: Metric = Metric::default(), |method| method == Method::DirectionalTv;
         /// Number of the lowest eigenpairs that are used.
-        eigenpairs: usize = 300, |method| method == Method::LaplaceBeltrami;
+        eigenpairs: usize = 300, |method| method.facts().work == Work::Eigenpairs,
+            "must be at least 1": |&count| count > 0;
     }
-    stepping {
+    /// How steps are taken.
+    stepping: Stepping {
         scheme: Scheme, |method| method.facts().takes_steps();
         tolerance: f64, |_| true;
         solver: Solver, |_| true;
+    }
+    /// The law of methods that flow by total variation, before it knows the function.
+    total_variation: TotalVariation {
+        soft_edges: f64, |method| method == Method::ShapeTv,
+            "must be from 0 to 1": |softness| (0.0..=1.0).contains(softness);
     }
 }
 
@@ -143,6 +182,25 @@ mod tests {
             assert_eq!(taken[0], option.is_optional);
             assert_eq!(taken[1..], kinds.map(|kind| kind == option.kind));
         }
+    }
+
+    #[test]
+    fn a_value_that_breaks_the_rule_of_its_option_is_told_with_the_rule() {
+        let refusal = |name: &str, value: Value| {
+            let mut settings = Settings::default();
+            let option = Choice::named(name).unwrap();
+            option.set(&mut settings, value).unwrap();
+            settings.check().unwrap_err().to_string()
+        };
+        let p = refusal("p", Value::Count(4));
+        assert_eq!(p, "p must be 1, 2 or 3, not 4");
+        let count = refusal("eigenpairs", Value::Count(0));
+        assert_eq!(count, "eigenpairs must be at least 1, not 0");
+        let accuracy = refusal("accuracy", Value::Number(f64::NAN));
+        assert!(
+            accuracy.starts_with("accuracy must be above 0, "),
+            "{accuracy}"
+        );
     }
 
     #[test]
