@@ -83,6 +83,7 @@ pub struct Accuracy {
 ///     scales: None,
 ///     bands: 3,
 ///     refinement: 4,
+///     keep_limbs: 0.0,
 /// };
 /// let found = accuracy(&mesh, &request)?;
 /// assert_eq!(found.ours.relative.dim(), (2, 3));

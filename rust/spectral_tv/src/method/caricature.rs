@@ -78,7 +78,7 @@ impl Exaggeration {
 /// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
 /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// # let mesh = TriangleMesh::new(vertices, &triangles)?;
-/// let filter = Exaggeration { smooth: 5e-5, from: 1e-4, to: 1e-3, gain: 2.0 };
+/// let filter = Exaggeration { smooth: 5e-5, from: 1e-4, to: 1e-3, gain: 2.0, keep_limbs: 1.0 };
 /// let shapes = caricature(&[mesh], &Settings::m3(), &filter)?;
 /// assert_eq!(shapes[0].dim(), (3, 4));
 /// # Ok::<(), spectral_tv::Error>(())
