@@ -127,10 +127,7 @@ def add_bands(
     record.method, record.settings = settings.method, settings.text()
     record.solo, record.area = 0, surface.mesh.area
     new_identity(obj, record)
-    record.spectrum.clear()
-    for time, strength in zip(split.times[1:-1], split.spectrum, strict=True):
-        sample = record.spectrum.add()
-        sample.time, sample.strength = time, strength
+    record.keep_spectrum(split.times[1:-1], split.spectrum)
     names = [band.name for band in bands]
     _record_bands(obj, record, names, names, edges)
     _flows[record.identifier] = flow
@@ -189,7 +186,7 @@ def settings_as_taken(record: SpectralTVRecord) -> Settings:
     """
     taken = settings_of(record)
     shape = "BASIS" if taken.shape == "APPLIED" else taken.shape
-    steps = len(record.spectrum) + 1
+    steps = len(record.kept_spectrum) + 1
     return replace(taken, bands=len(record.bands), steps=steps, accuracy=0.0, shape=shape)
 
 

@@ -71,7 +71,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.template_icon(spectrum.icon(record), scale=7.6)
         column = row.column(align=True)
         column.label(text="Finest")
-        column.label(text=_length(record.spectrum[0].time, units))
+        column.label(text=_length(record.kept_spectrum[0, 0], units))
         column.separator(factor=3.5)
         column.label(text="Largest")
         column.label(text=_length(record.bands[-1].end, units))
