@@ -25,4 +25,4 @@ FILES = (
     caricature,
 )
 VERBS = (verb.Decompose(),)
-FORGET = (bands.forget_flows, spectrum.forget)
+FORGET = (bands.flows.clear, spectrum.forget)

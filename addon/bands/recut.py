@@ -97,28 +97,33 @@ def take_place(
     A new band with the same components as an old one gets that one's name. Others get those of
     ``names``, if they are free.
     """
-    there = keeping.all(obj)
-    old = [each.band for each in former]
-    gone = [None if each.stays else each.band for each in former]
+    there = keeping.all(obj.data)
     carrier = _Carrier(keeping, obj, former, new, names, overlap)
     carrier.carry()
     carrier.tell_names()
-    active = list(_active_keys(obj, gone, new, overlap))
-    place = min((there.find(band.name) for band in gone if band is not None), default=None)
-    successors = {
-        band.name: new[successor]
-        for index, band in enumerate(gone)
-        if band is not None and (successor := overlap.successor(index)) is not None
+    gone = {
+        each.band.name: index
+        for index, each in enumerate(former)
+        if each.band is not None and not each.stays
     }
-    for band in old:
-        if band is not None and band not in gone:
-            band.mute = True
-    for band in gone:
-        if band is not None:
-            keeping.remove(obj, band)
+    heirs = {
+        name: new[heir]
+        for name, index in gone.items()
+        if (heir := carrier.successors[index]) is not None
+    }
+    users = [user for user in bpy.data.objects if user.data == obj.data and user.active_shape_key]
+    active = [
+        (user, heirs.get(user.active_shape_key.name, user.active_shape_key)) for user in users
+    ]
+    place = min(map(there.find, gone), default=None)
+    for each in former:
+        if each.band is not None and each.stays:
+            each.band.mute = True
+    for name in gone:
+        keeping.remove(obj, there[name])
     for band, name in zip(new, carrier.names, strict=True):
         band.name = free_name(name, "", {other.name for other in there if other != band})
-    retarget_drivers(obj.data, {name: band.name for name, band in successors.items()})
+    retarget_drivers(obj.data, {name: band.name for name, band in heirs.items()})
     for index, band in enumerate(new if place is not None else ()):
         keeping.move(obj, band, place + index)
     for user, band in active:
@@ -128,17 +133,6 @@ def take_place(
         for index, (band, name) in enumerate(zip(new, carrier.names, strict=True))
     ]
     return [band.name for band in new], given
-
-
-def _active_keys(
-    obj: bpy.types.Object, gone: Sequence[Band | None], new: Sequence[Band], overlap: Overlap
-) -> Iterator[tuple[bpy.types.Object, Band]]:
-    """The key that will be the active one of each object that has the mesh."""
-    for user in bpy.data.objects:
-        key = user.active_shape_key if user.data == obj.data else None
-        if key is not None:
-            successor = overlap.successor(gone.index(key)) if key in gone else None
-            yield user, key if successor is None else new[successor]
 
 
 class _Carrier:
@@ -154,7 +148,7 @@ class _Carrier:
         overlap: Overlap,
     ) -> None:
         """Take the old and the new bands, and the names of these."""
-        self.block, self.path = keeping.animated(obj), keeping.path
+        self.block, self.path = keeping.animated(obj.data), keeping.path
         self.former, self.old = former, [each.band for each in former]
         self.new, self.parts = new, overlap.parts
         self.mixed: list[str] = []

@@ -9,7 +9,7 @@ from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import bands_of, keeping_of, record_of, renew_bands, topology_changed
 from . import filter_curve
-from .bands import cut_again, has_flow, set_values
+from .bands import cut_again, flows, set_values
 from .gains import PRESETS, curve_values, idle_reason, preset_values
 from .solo import toggle_solo
 
@@ -115,7 +115,7 @@ class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         keys = [key for key in bands_of(obj) if key is not None]
         frame, keyframe = context.scene.frame_current, keeping_of(record_of(obj)).keyframe
-        failed = [key.name for key in keys if not keyframe(key, frame)]
+        failed = [key.name for key in keys if not keyframe(key, "value", frame)]
         if failed:
             told = (
                 f"Blender inserts no keyframes for {', '.join(failed)}: their animation is linked "
@@ -192,7 +192,7 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
         reason = super().refusal(context)
-        if reason is None and not has_flow(record_of(context.active_object).identifier):
+        if reason is None and record_of(context.active_object).identifier not in flows:
             return "The flow is no longer in memory; decompose the mesh again"
         return reason
 

@@ -113,14 +113,14 @@ def forget_stale(*_arguments: object) -> None:
 
 def bands_of(obj: bpy.types.Object) -> list[Band | None]:
     """The bands, None for those that were deleted."""
-    there = keeping_of(record_of(obj)).all(obj)
+    there = keeping_of(record_of(obj)).all(obj.data)
     return [there[name] if name else None for name, _ in recognise_bands(obj)]
 
 
 def bands_shown(obj: bpy.types.Object) -> list[Band | None]:
     """The same for panels, which ask at every redraw: known again only when names change."""
     record = record_of(obj)
-    there = keeping_of(record).all(obj)
+    there = keeping_of(record).all(obj.data)
     question = (obj.data.session_uid, record.identifier, *there.keys())
     if question not in _shown:
         _shown.clear()

@@ -281,7 +281,7 @@ def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
     bands = import_module(f"{EXTENSION}.bands.bands")
     settings = import_module(f"{EXTENSION}.bands.settings").Settings
 
-    bands.forget_flows()  # those of other tests
+    bands.flows.clear()  # those of other tests
     bpy.ops.spectral_tv.decompose(bands=4, steps=12)
 
     def is_recalled(**choices) -> bool:
