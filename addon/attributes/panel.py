@@ -9,7 +9,6 @@ from ..options import rows
 from ..scene.objects import refusal
 from .eigenset import SPECTRAL_TV_OT_test_eigenset
 from .flow import SPECTRAL_TV_OT_flow_attribute
-from .properties import COLUMNS
 from .values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
 
 
@@ -20,7 +19,8 @@ class SPECTRAL_TV_PT_attributes(MeshPanel, bpy.types.Panel):
     bl_order = 4
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        rows.draw(layout, context.scene.spectral_tv_attributes, *COLUMNS)
+        choices = context.scene.spectral_tv_attributes
+        rows.draw(layout, choices, *choices.columns)
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_attributes

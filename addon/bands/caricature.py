@@ -49,7 +49,7 @@ class CaricatureSettings:
     )  # fmt: skip
 
 
-CaricatureChoices = choices_of(CaricatureSettings)
+CaricatureChoices = choices_of(CaricatureSettings, "method", "range", "amount")
 
 
 class SpectralTVCaricature(CaricatureChoices, bpy.types.PropertyGroup):
@@ -123,7 +123,8 @@ class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
     bl_order = 2
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        rows.draw(layout, context.scene.spectral_tv_caricature, "method", "range", "amount")
+        choices = context.scene.spectral_tv_caricature
+        rows.draw(layout, choices, *choices.columns)
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_caricature

@@ -174,7 +174,7 @@ class Settings:
     )  # fmt: skip
 
 
-DeformationChoices = choices_of(Settings)
+DeformationChoices = choices_of(Settings, "follow")
 
 
 class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyGroup):

@@ -7,7 +7,6 @@ import spectral_tv
 
 from ..bands.filtering import filter_values
 from ..scene.notes import note
-from ..scene.objects import Refusal
 from .flows import Request, Still, contrast_of
 from .pixels import Pixels
 from .settings import Settings
@@ -30,12 +29,7 @@ def prepare(pixels: Pixels, settings: Settings) -> Prepared:
 
     Raises Refusal or spectral_tv.MeshError if the picture and the choice do not go together.
     """
-    if settings.bands >= settings.steps:
-        raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
-    if settings.finest >= settings.largest:
-        raise Refusal("the finest size is not below the largest")
-    if settings.result == "FILTER":
-        filter_values(settings)  # refused now rather than after the work
+    settings.check()
     pixels.require_finite()
     values = pixels.luminance if settings.channels == "LUMINANCE" else pixels.colors
     contrast = contrast_of(values, pixels.visible) or 1.0

@@ -7,7 +7,6 @@ from ..drawing.work import WorkPanel, draw_button, draw_needs
 from ..job import estimates
 from ..options import rows
 from .operator import SPECTRAL_TV_OT_filter_image
-from .properties import COLUMNS
 from .results import source_of
 from .sources import refusal
 
@@ -19,7 +18,8 @@ class SPECTRAL_TV_PT_image(WorkPanel, bpy.types.Panel):
     bl_label = "Filter Image"
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        rows.draw(layout, context.scene.spectral_tv_images, *COLUMNS)
+        choices = context.scene.spectral_tv_images
+        rows.draw(layout, choices, *choices.columns)
         image = context.edit_image
         if image is not None and source_of(image) is not None:
             layout.prop(image.spectral_tv, "source")

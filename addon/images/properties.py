@@ -8,9 +8,8 @@ from ..options.properties import choices_of
 from .results import SpectralTVImageResult
 from .settings import Settings
 
-ImageChoices = choices_of(Settings)
-# The columns of a panel: what is split, in what sizes, the filter, how.
-COLUMNS = ("what", "sizes bands", "filter", "exact steps")
+# What is split, in what sizes, the filter, how.
+ImageChoices = choices_of(Settings, "what", "sizes bands", "filter", "exact steps")
 
 
 class SpectralTVImages(SidebarFilter, ImageChoices, bpy.types.PropertyGroup):

@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 
 from ..bands.gain_arguments import add_gains, band_values, complaint_of_gains
+from ..bands.gains import too_few_steps
 from ..command_line.arguments import (
     EXIT_CODES,
     add_places,
@@ -102,8 +103,7 @@ the color space of the input, as far as its format has them; only .exr gets scen
         if not is_folder(output) and not is_folder(output.parent):
             return f"there is no folder {output.parent}"
         reason = _complaint_of_targets(choices) or _complaint_of_space(choices)
-        if choices.bands >= choices.steps:
-            reason = reason or f"{choices.bands} bands need more than {choices.steps} steps"
+        reason = reason or too_few_steps(choices.bands, choices.steps)
         return reason or complaint_of_gains(choices, choices.bands)
 
     def settings(self, choices: argparse.Namespace) -> Settings:
