@@ -24,5 +24,5 @@ FILES = (
     bands_panel,
     caricature,
 )
-VERBS = (verb.Decompose(),)
+VERBS = (verb.Decompose,)
 FORGET = (bands.flows.clear, spectrum.forget)

@@ -3,4 +3,4 @@
 from . import operator, panel, properties, results, verb
 
 FILES = (results, properties, operator, panel)
-VERBS = (verb.Filter(),)
+VERBS = (verb.Filter,)
