@@ -15,6 +15,7 @@ from ..files.room import with_room
 from ..files.torn import require
 from ..scene.animation import curves_of
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from . import finish_obj, finish_ply
 from .contents import armatures, is_animated
 from .copies import dressed
@@ -216,16 +217,10 @@ def _parented(export: Export) -> Iterator[None]:
     """
     loose = [(obj, armatures(obj)[0].object) for obj in export.meshes if armatures(obj)]
     loose = [(obj, rig) for obj, rig in loose if obj.parent is None and rig in export.objects]
-    before = [obj.matrix_parent_inverse.copy() for obj, _ in loose]
-    try:
+    with Temporary() as now:
         for obj, rig in loose:
-            obj.parent = rig
-            obj.matrix_parent_inverse = rig.matrix_world.inverted_safe()
+            now.adopt(obj, rig, rig.matrix_world.inverted_safe())
         yield
-    finally:
-        for (obj, _), inverse in zip(loose, before, strict=True):
-            obj.parent = None
-            obj.matrix_parent_inverse = inverse
 
 
 def _beside(place: Path, export: Export) -> AbstractContextManager[None]:
@@ -254,13 +249,10 @@ def _moves() -> bool:
 def _frames_that_move() -> Iterator[None]:
     """Have the scene consist of its current frame if nothing moves."""
     scene = bpy.context.scene
-    before = scene.frame_start, scene.frame_end
-    if not _moves():
-        scene.frame_start = scene.frame_end = scene.frame_current
-    try:
+    with Temporary() as now:
+        for end in () if _moves() else ("frame_start", "frame_end"):
+            now.put(scene, end, scene.frame_current)
         yield
-    finally:
-        scene.frame_start, scene.frame_end = before
 
 
 def _export_dae(place: Path, export: Export) -> None:

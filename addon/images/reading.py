@@ -10,6 +10,7 @@ import numpy as np
 from ..files.headers import Header, Torn, Unreadable, read_header
 from ..scene.notes import note
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from . import colors
 from .formats import STEPS
 from .pixels import Pixels
@@ -55,8 +56,8 @@ def read_picture(path: Path, space: str | None = None) -> Picture:
         header = read_header(path)
     except (Torn, Unreadable) as error:
         raise Refusal(str(error)) from error
-    image = bpy.data.images.load(str(path.absolute()))
-    try:
+    with Temporary() as now:
+        image = now.made(bpy.data.images.load(str(path.absolute())))
         reason = refusal(image)
         if reason is not None:
             raise Refusal(reason)
@@ -68,8 +69,6 @@ def read_picture(path: Path, space: str | None = None) -> Picture:
             space = colors.scene_linear() if space else image.colorspace_settings.name
         colors.make_raw(image)
         stored = stored_in(image)
-    finally:
-        bpy.data.images.remove(image)
     if header.depth in STEPS:  # Blender's are rounded otherwise
         steps = STEPS[header.depth]
         stored = (np.rint(stored.astype(np.float64) * steps) / steps).astype(np.float32)

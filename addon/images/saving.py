@@ -14,6 +14,7 @@ from ..files.profiles import fits, name_of
 from ..files.tiff import Meaning, write_tiff
 from ..scene.notes import note
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from . import colors
 from .colors import Kind
 from .formats import BY_SUFFIX, DEPTHS, HALF_MAX, STEPS, Format
@@ -208,9 +209,9 @@ def _save_by_blender(
         # Blender divides floats by alpha, where that is not 0.
         alpha = pixels.stored[..., 3:]
         stored[..., :3] = pixels.stored[..., :3] * np.where(alpha == 0, 1, alpha)
-    image = bpy.data.images.new("Picture", width, height, alpha=True, float_buffer=is_float)
-    try:
-        colors.make_raw(image)
+    with Temporary() as now:
+        image = bpy.data.images.new("Picture", width, height, alpha=True, float_buffer=is_float)
+        colors.make_raw(now.made(image))
         image.pixels.foreach_set(stored.ravel())
         if picture.header.resolution is not None:
             image.resolution = picture.header.resolution
@@ -221,8 +222,6 @@ def _save_by_blender(
         else:
             settings.linear_colorspace_settings.name = colors.scene_linear()
         image.save_render(str(target.path), scene=scene, quality=target.quality or 0)
-    finally:
-        bpy.data.images.remove(image)
 
 
 def _add_tags(
@@ -249,16 +248,14 @@ def _add_tags(
 def _check(pixels: Pixels, target: Target) -> None:
     """Read the file again; raises RuntimeError if it holds anything else than it should."""
     check(target.path)
-    image = bpy.data.images.load(str(target.path))
-    try:
+    with Temporary() as now:
+        image = now.made(bpy.data.images.load(str(target.path)))
         assumed = image.colorspace_settings.name
         colors.make_raw(image)
         height, width, _ = pixels.stored.shape
         if tuple(image.size) != (width, height):
             raise RuntimeError("Blender cannot read it again")
         found = stored_in(image)
-    finally:
-        bpy.data.images.remove(image)
     if assumed != pixels.space:
         note(
             f"its colors are in {pixels.space}, but Blender will open it as {assumed}: choose "
@@ -284,8 +281,8 @@ def _check(pixels: Pixels, target: Target) -> None:
 @contextmanager
 def _scene(target: Target) -> Iterator[bpy.types.Scene]:
     """A scene whose settings have Blender write values as they are."""
-    scene = bpy.data.scenes.new("Picture")
-    try:
+    with Temporary() as now:
+        scene = now.made(bpy.data.scenes.new("Picture"))
         scene.render.dither_intensity = 0
         settings = scene.render.image_settings
         settings.file_format = target.form.name
@@ -297,8 +294,6 @@ def _scene(target: Target) -> Iterator[bpy.types.Scene]:
         except TypeError as error:
             raise Refusal("the color management of this Blender has no view Raw") from error
         yield scene
-    finally:
-        bpy.data.scenes.remove(scene)
 
 
 def _holds_alpha(scene: bpy.types.Scene) -> bool:

@@ -57,11 +57,19 @@ class Animated:
 
 def actions_of(data: bpy.types.ID) -> list[Animated]:
     """All actions that animate shape keys or others: the active one, and those of strips."""
-    animation = data.animation_data
+    animation = getattr(data, "animation_data", None)
     if animation is None:
         return []
     strips = [strip for track in animation.nla_tracks for strip in _strips(track.strips)]
     return [Animated(user, user.action) for user in (animation, *strips) if user.action is not None]
+
+
+def curves_and_drivers(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
+    """All that animates properties of a data-block."""
+    for animated in actions_of(data):
+        yield from animated.curves or ()
+    if getattr(data, "animation_data", None) is not None:
+        yield from data.animation_data.drivers
 
 
 def key_path(key: bpy.types.ShapeKey, name: str = "") -> str:

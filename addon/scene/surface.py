@@ -16,6 +16,7 @@ from .mirroring import Copies, mirrored, single
 from .modifiers import symmetries
 from .notes import note
 from .objects import Refusal
+from .temporary import Temporary
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37
@@ -84,12 +85,9 @@ class Surface:
     @classmethod
     def read_applied(cls, obj: bpy.types.Object, reading: Reading) -> "Surface":
         """Read what the modifiers of ``obj`` show; its vertices are those of `applied.mesh_of`."""
-        mesh = applied.mesh_of(obj)
-        try:
-            part = _Part.of_mesh(mesh, obj.matrix_world)
+        with Temporary() as now:
+            part = _Part.of_mesh(now.made(applied.mesh_of(obj)), obj.matrix_world)
             return cls._joined([part], reading)[0]
-        finally:
-            bpy.data.meshes.remove(mesh)
 
     @classmethod
     def _joined(cls, parts: "Sequence[_Part]", reading: Reading) -> "list[Surface]":
