@@ -5,7 +5,7 @@ from bpy.props import CollectionProperty, PointerProperty, StringProperty
 
 from ..bands.filtering import SidebarFilter
 from ..options.properties import choices_of
-from .results import SpectralTVImageResult
+from ..scene.documents import SpectralTVDocument
 from .settings import Settings
 
 # What is split, in what sizes, the filter, how.
@@ -17,7 +17,7 @@ class SpectralTVImages(SidebarFilter, ImageChoices, bpy.types.PropertyGroup):
 
     owner = bpy.types.Scene, "spectral_tv_images"
 
-    results: CollectionProperty(type=SpectralTVImageResult)
+    results: CollectionProperty(type=SpectralTVDocument)
 
 
 class SpectralTVImage(bpy.types.PropertyGroup):

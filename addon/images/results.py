@@ -1,18 +1,12 @@
-"""Images that were made from another image, and recognising them later.
-
-The scene remembers what was written. Its pointers follow an image that is renamed, and do not point
-to copies. A result is written over only if the record points to it, it still names its source, and
-nobody has changed it since. Otherwise it is the user's, and stays.
-"""
+"""Images that are made of another image, written over those of the last time."""
 
 from collections.abc import Collection
 
 import bpy
 import numpy as np
 import spectral_tv
-from bpy.props import PointerProperty, StringProperty
 
-from ..scene.documents import written_digest
+from ..scene.documents import images_of, remember_image
 from ..scene.notes import note
 from .bands import Prepared, filtered, filtered_bands, parts
 from .flows import Still
@@ -28,20 +22,11 @@ HALF_STEP = 0.5 / 255
 OWN_USERS = 2
 
 
-class SpectralTVImageResult(bpy.types.PropertyGroup):
-    """One image that was written."""
-
-    image: PointerProperty(type=bpy.types.Image, name="Image")
-    source: PointerProperty(type=bpy.types.Image, name="Source")
-    label: StringProperty(name="Label", description="What it is of its source")
-    digest: StringProperty(name="Digest", description="Of the packed file that was written")
-
-
 def source_of(image: bpy.types.Image) -> bpy.types.Image | None:
     """What an image was written of; None if it is none of ours, or the user cleared its source."""
     source = image.spectral_tv.source
     known = source is not None and any(
-        (each.image, each.source) == (image, source) for each in _records()
+        (each.image, each.source) == (image, source) for records in _lists() for each in records
     )
     return source if known else None
 
@@ -100,16 +85,12 @@ def _fill(source: bpy.types.Image, label: str, image: bpy.types.Image, stored: n
     image.pack()
     image.buffers_free()  # read anew, in its color space
     image.update()
-    image.spectral_tv.source, image.spectral_tv.label = source, label
-    records = [each for each in _records() if each.image == image]  # copies of scenes have copies
-    for each in records or [bpy.context.scene.spectral_tv_images.results.add()]:
-        each.image, each.source, each.label = image, source, label
-        each.digest = written_digest(image)
+    remember_image(_lists(), source, label, image)
 
 
 def _target(source: bpy.types.Image, label: str, is_float: bool) -> bpy.types.Image:
     """The image to write into; one of another size or depth takes the place of the former."""
-    former = _own(source, {label}).get(label)
+    former = images_of(_lists(), source, lambda each: each == label).get(label)
     wanted = (*source.size, is_float)
     if former is not None and (*former.size, former.is_float) == wanted:
         return former
@@ -126,44 +107,19 @@ def _target(source: bpy.types.Image, label: str, is_float: bool) -> bpy.types.Im
 
 def _remove_surplus(source: bpy.types.Image, labels: Collection[str]) -> None:
     """Remove bands of an earlier run that there are no more."""
-    surplus = {
-        each.label
-        for each in _records()
-        if each.source == source and each.label.startswith(BAND) and each.label not in labels
-    }
-    for image in _own(source, surplus).values():
+
+    def is_surplus(label: str) -> bool:
+        return label.startswith(BAND) and label not in labels
+
+    for image in images_of(_lists(), source, is_surplus).values():
         if image.users > OWN_USERS:
             note(f"{image.name!r} is of an earlier run; it is used, and is kept")
         else:
             bpy.data.images.remove(image)
 
 
-def _own(source: bpy.types.Image, labels: Collection[str]) -> dict[str, bpy.types.Image]:
-    """By label, the images that were written of a source and are ours still.
-
-    What is no longer is noted, and forgotten.
-    """
-    found = {}
-    for scene in _scenes():
-        results = scene.spectral_tv_images.results
-        for place in reversed(range(len(results))):
-            each = results[place]
-            if each.image is None:
-                results.remove(place)
-            elif each.source == source and each.label in labels:
-                if each.image.spectral_tv.source == source and (
-                    written_digest(each.image) == each.digest
-                ):
-                    found[each.label] = each.image
-                else:
-                    note(f"{each.image.name!r} was changed since, and is kept")
-                    results.remove(place)
-    return found
-
-
-def _records() -> list[SpectralTVImageResult]:
-    return [each for scene in _scenes() for each in scene.spectral_tv_images.results]
-
-
-def _scenes() -> list[bpy.types.Scene]:
-    return [scene for scene in bpy.data.scenes if scene.library is None]
+def _lists() -> list[bpy.types.bpy_prop_collection]:
+    """What the scenes remember, the present one first; copies of scenes have copies."""
+    others = [scene for scene in bpy.data.scenes if scene.library is None]
+    scenes = dict.fromkeys((bpy.context.scene, *others))
+    return [scene.spectral_tv_images.results for scene in scenes]
