@@ -8,6 +8,8 @@ import numpy as np
 
 from ..scene.animation import curves_of
 from ..scene.arrays import numbers
+from ..scene.channels import drivers_of
+from ..scene.mix import keys_of
 from .formats import APPLIED, HOLDS, NO
 
 CURVES = ("CURVE", "SURFACE", "FONT", "META", "CURVES")
@@ -80,15 +82,15 @@ def _of_mesh(obj: bpy.types.Object) -> Iterator[Thing]:
         yield Thing("custom attributes", name, attribute.name, attribute.domain)
     for group in obj.vertex_groups if not armatures(obj) else ():
         yield Thing("vertex groups", name, group.name)
-    for key in mesh.shape_keys.key_blocks[1:] if mesh.shape_keys is not None else ():
-        yield Thing("shape keys", name, key.name)
+    for key in list(keys_of(mesh).keys())[1:]:
+        yield Thing("shape keys", name, key)
     for modifier in obj.modifiers:
         if modifier.show_viewport:
             kind = "armatures" if modifier.type == "ARMATURE" else "modifiers"
             yield Thing(kind, name, modifier.name)
     edges, points = loose(mesh)
     for kind, what, count in (
-        ("quads, n-gons", name, larger_polygons(mesh)),
+        ("quads, n-gons", name, int((numbers(mesh.polygons, "loop_total") > 3).sum())),
         ("loose edges, points", "edges", edges),
         ("loose edges, points", "points", points),
     ):
@@ -145,18 +147,13 @@ def has_moving_shape(obj: bpy.types.Object) -> bool:
     """Whether modifiers move the vertices of an object as frames go by."""
     if any(item.type in MOVING and item.show_viewport for item in obj.modifiers):
         return True
-    animation = obj.animation_data
-    if animation is None:
-        return False
-    curves = [*animation.drivers, *(curves_of(obj) or ())]
+    curves = [*drivers_of(obj), *(curves_of(obj) or ())]
     return any(curve.data_path.startswith("modifiers[") for curve in curves)
 
 
 def _has_animation(data: bpy.types.ID | None) -> bool:
-    animation = getattr(data, "animation_data", None)
-    return animation is not None and bool(
-        animation.action is not None or animation.nla_tracks or animation.drivers
-    )
+    found = getattr(data, "animation_data", None)
+    return found is not None and bool(found.action or found.nla_tracks or found.drivers)
 
 
 def image_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
@@ -171,12 +168,6 @@ def image_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
 def images(tree: bpy.types.NodeTree | None) -> list[bpy.types.Image]:
     """The images of these."""
     return list(dict.fromkeys(node.image for node in image_nodes(tree)))
-
-
-def larger_polygons(mesh: bpy.types.Mesh) -> int:
-    """How many polygons have more than three corners."""
-    sizes = numbers(mesh.polygons, "loop_total")
-    return int((sizes > 3).sum())
 
 
 def loose(mesh: bpy.types.Mesh) -> tuple[int, int]:
@@ -195,5 +186,4 @@ def loose_edges(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def _edges(mesh: bpy.types.Mesh) -> np.ndarray:
-    ends = numbers(mesh.edges, "vertices", 2)
-    return ends.reshape(-1, 2)
+    return numbers(mesh.edges, "vertices", 2).reshape(-1, 2)

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..scene.coordinates import coordinates
+from ..scene.mix import keys_of
 from ..scene.notes import note
 from ..scene.surface import NOWHERE
 from .copies import held
@@ -42,18 +43,13 @@ def left_out(objects: Sequence[bpy.types.Object], suffix: str) -> Iterator[None]
 
 
 def _vertices(count: int) -> str:
-    return (
-        "1 vertex without a finite place"
-        if count == 1
-        else (f"{count} vertices without a finite place")
-    )
+    return f"{'1 vertex' if count == 1 else f'{count} vertices'} without a finite place"
 
 
 def _nowhere(mesh: bpy.types.Mesh) -> np.ndarray:
     """Indices of the vertices that have no finite place, in the mesh or one of its keys."""
-    keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ()
     is_nowhere = np.zeros(len(mesh.vertices), dtype=bool)
-    for points in (mesh.vertices, *(key.data for key in keys)):
+    for points in (mesh.vertices, *(key.data for key in keys_of(mesh).values())):
         places = coordinates(points).reshape(-1, 3)
         is_nowhere |= ~(np.abs(places) < NOWHERE).all(axis=1)
     return np.flatnonzero(is_nowhere)

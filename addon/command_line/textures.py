@@ -54,7 +54,8 @@ def _copy(
         return None
     folder = staging / folder_name(target)
     folder.mkdir(exist_ok=True)
-    place = folder / (bpy.path.clean_name(path.stem) + (path.suffix if is_suffix(path) else ".png"))
+    suffix = path.suffix if path.suffix.lower() in bpy.path.extensions_image else ".png"
+    place = folder / (bpy.path.clean_name(path.stem) + suffix)
     if place.exists():
         place = place.with_stem(f"{place.stem}_{number}")
     if image.packed_file is not None and not image.is_dirty:
@@ -68,8 +69,3 @@ def _copy(
     copy.alpha_mode = image.alpha_mode
     copy.filepath_raw = str(target.parent / folder.name / place.name)
     return copy
-
-
-def is_suffix(path: Path) -> bool:
-    """Whether a path ends like one of a picture."""
-    return path.suffix.lower() in bpy.path.extensions_image

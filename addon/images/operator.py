@@ -67,5 +67,5 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator)
     def write(
         self, image: bpy.types.Image, prepared: Prepared, result: spectral_tv.Flow | Still
     ) -> str:
-        names = results.write(image, prepared, self.settings(), result)
+        names = results.write(image, prepared, result)
         return f"written as {', '.join(map(repr, names))}"

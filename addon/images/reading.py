@@ -12,19 +12,11 @@ from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from . import colors
-from .formats import STEPS
+from .formats import BY_SUFFIX, STEPS
 from .pixels import Pixels
 from .sources import refusal, stored_in
 
 UPRIGHT, MIRRORED_ALONG_DIAGONAL = 1, 5
-# The suffixes of formats, by the names that their headers have.
-SUFFIXES = {
-    "PNG": (".png",),
-    "JPEG": (".jpg", ".jpeg"),
-    "TIFF": (".tif", ".tiff"),
-    "WebP": (".webp",),
-    "OpenEXR": (".exr",),
-}
 
 
 @dataclass(frozen=True)
@@ -115,7 +107,8 @@ def _guessed(image: bpy.types.Image) -> Header:
 
 def _tell(path: Path, header: Header) -> None:
     """Note what of a file is not kept."""
-    if path.suffix.lower() not in SUFFIXES[header.format]:
+    form = BY_SUFFIX.get(path.suffix.lower())
+    if form is None or form.name.replace("_", "") != header.format.upper():
         note(f"it is a file of the format {header.format}, whatever its name says")
     if header.unread:
         note(f"not kept: {', '.join(header.unread)}")

@@ -8,10 +8,9 @@ import spectral_tv
 
 from ..scene.documents import images_of, remember_image
 from ..scene.notes import note
-from .bands import Prepared, filtered, filtered_bands, parts
+from .bands import Prepared
 from .flows import Still
 from .pixels import Pixels
-from .settings import Settings
 
 BAND, REST, FILTERED = "Band", "Rest", "Filtered"
 # Bytes that the names of images may have in all versions.
@@ -31,12 +30,11 @@ def source_of(image: bpy.types.Image) -> bpy.types.Image | None:
     return source if known else None
 
 
-def write(
-    source: bpy.types.Image, prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
-) -> list[str]:
+def write(source: bpy.types.Image, prepared: Prepared, flow: spectral_tv.Flow | Still) -> list[str]:
     """Write what was chosen as images beside the source; returns their names."""
+    settings = prepared.settings
     if settings.result == "BANDS":
-        bands, rest = parts(prepared, settings, flow)
+        bands, rest = prepared.parts(flow)
         written = [
             _write_data(source, f"{BAND} {number}", band)
             for number, band in enumerate(bands, start=1)
@@ -44,9 +42,9 @@ def write(
         written.append(_write_data(source, REST, rest))
         _remove_surplus(source, {image.spectral_tv.label for image in written})
     elif settings.keep_rest:
-        written = [_write_colors(source, FILTERED, filtered(prepared, settings, flow))]
+        written = [_write_colors(source, FILTERED, prepared.filtered(flow))]
     else:
-        written = [_write_data(source, FILTERED, filtered_bands(prepared, settings, flow))]
+        written = [_write_data(source, FILTERED, prepared.filtered_bands(flow))]
     return [image.name for image in written]
 
 

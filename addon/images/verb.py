@@ -26,7 +26,7 @@ from ..files.whole import ensure_writable
 from ..options.arguments import add_arguments as add_options
 from ..options.arguments import read, whole
 from . import colors
-from .bands import filtered, prepare
+from .bands import prepare
 from .formats import BY_SUFFIX, DEPTHS, FORMATS
 from .reading import read_picture
 from .saving import save_picture
@@ -113,17 +113,17 @@ the color space of the input, as far as its format has them; only .exr gets scen
         )
 
     def _treat_file(self, source: Path, entry: Entry) -> None:
-        choices, settings = self.choices, self.asked
+        choices = self.choices
         target = _target(choices, source)
         ensure_file(source)
         ensure_writable(target.absolute())
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         picture = read_picture(source, choices.colorspace)
         entry.read = picture.told()
-        prepared = prepare(picture.pixels, settings)
+        prepared = prepare(picture.pixels, self.asked)
         with progress(str(source)) as show:
             flow = prepared.request.run(show)
-        result = replace(picture, pixels=filtered(prepared, settings, flow))
+        result = replace(picture, pixels=prepared.filtered(flow))
         entry.done = {"verb": self.name, "settings": self.told()}
         # A disk that gets full would end the process when Blender reads what it has written.
         most = REST + PIXEL * picture.pixels.stored[..., 0].size
