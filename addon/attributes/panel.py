@@ -17,10 +17,7 @@ class SPECTRAL_TV_PT_attributes(MeshPanel, bpy.types.Panel):
 
     bl_label = "Attributes"
     bl_order = 4
-
-    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        choices = context.scene.spectral_tv_attributes
-        rows.draw(layout, choices, *choices.columns)
+    kept = "spectral_tv_attributes"
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_attributes
@@ -28,7 +25,7 @@ class SPECTRAL_TV_PT_attributes(MeshPanel, bpy.types.Panel):
         if reason is not None:
             say(layout, context, reason, "INFO")
         count, settings = len(context.active_object.data.vertices), choices.settings()
-        draw_needs(layout, context, of_values(count, settings.steps, exact=settings.is_exact))
+        draw_needs(layout, context, of_values(count, settings.steps, settings.is_exact))
         draw_button(layout, SPECTRAL_TV_OT_flow_attribute, "MOD_SMOOTH", choices)
 
 

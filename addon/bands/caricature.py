@@ -10,7 +10,6 @@ import spectral_tv
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..job.jobs import Chain, Seen, read_each, unchanged
 from ..job.operator import JobOperator
-from ..options import rows
 from ..options.declaring import choice, integer, number
 from ..options.properties import choices_of
 from ..scene.notes import about, note
@@ -121,10 +120,7 @@ class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
 
     bl_label = "Caricature"
     bl_order = 2
-
-    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        choices = context.scene.spectral_tv_caricature
-        rows.draw(layout, choices, *choices.columns)
+    kept = "spectral_tv_caricature"
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_caricature

@@ -11,9 +11,8 @@ def of_meshes(settings: Settings, *counts: int) -> Needs:
     """What decomposing meshes of so many vertices takes."""
     arguments = {**settings.method_arguments(None, None), **keywords(settings)}
     arguments["steps"] = settings.steps
-    return total(
-        [spectral_tv.estimate(count, **arguments) for count in counts], settings.is_adaptive
-    )
+    found = [spectral_tv.estimate(count, **arguments) for count in counts]
+    return total(found, is_least=settings.is_adaptive)
 
 
 def of_accuracy(method: str, count: int, steps: int) -> Needs:

@@ -25,7 +25,7 @@ class Settings:
     )
 
 
-SegmentationChoices = choices_of(Settings, "parts seed outputs")
+SegmentationChoices = choices_of(Settings, "parts outputs")
 
 
 class SpectralTVSegmentation(SegmentationChoices, bpy.types.PropertyGroup):
