@@ -17,7 +17,6 @@ from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from ..scene.whole import whole
 from .bands import add_bands, prepare, recall, set_values
-from .estimates import of_meshes
 from .gains import caricature_values
 from .methods import OF_THE_PAPER
 from .settings import STEPS, Settings
@@ -125,5 +124,5 @@ class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_caricature
         settings = Settings(method=choices.method, steps=choices.steps)
-        draw_selection(layout, context, "filter", partial(of_meshes, settings))
+        draw_selection(layout, context, "filter", settings.needs)
         draw_button(layout, SPECTRAL_TV_OT_caricature, "OUTLINER_OB_ARMATURE", choices)

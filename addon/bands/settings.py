@@ -9,6 +9,7 @@ import numpy as np
 import spectral_tv
 from spectral_tv import DEFAULTS
 
+from ..job.estimates import Needs, total
 from ..options.declaring import Only, choice, integer, keywords, name_of, number, share, switch
 from .gains import too_few_steps
 from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
@@ -188,6 +189,12 @@ class Settings:
         elif self.by.takes("base") and self.base_amount and mesh is not None:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
+
+    def needs(self, *counts: int) -> Needs:
+        """What decomposing meshes of so many vertices takes."""
+        how = {**self.method_arguments(None, None), **keywords(self), "steps": self.steps}
+        found = [spectral_tv.estimate(count, **how) for count in counts]
+        return total(found, is_least=self.is_adaptive)
 
     def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
         """The times of the finest and of the largest scale, length²."""

@@ -144,7 +144,7 @@ FORMATS = {
 
 def a(suffix: str) -> str:
     """A file of this suffix, with its article."""
-    return f"an {suffix}" if suffix[1] in "ao" else f"a {suffix}"
+    return f"an {suffix}" if suffix[1] in "aeo" else f"a {suffix}"
 
 
 def importable() -> list[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..command_line.formats import a
 from ..files import picture_tags
 from ..files.checks import check
 from ..files.profiles import fits, name_of
@@ -36,6 +37,7 @@ class Target:
     """A file to write."""
 
     path: Path
+    suffix: str
     form: Format
     depth: str
     # Of formats that have one, in percent.
@@ -45,17 +47,6 @@ class Target:
     def is_integer(self) -> bool:
         """Whether it holds nothing below black and above white."""
         return self.depth in STEPS
-
-    @property
-    def is_lossy(self) -> bool:
-        """Whether its values are not those that it is given."""
-        return self.form.name == "JPEG" or (self.form.name == "WEBP" and self.quality != 100)
-
-    @property
-    def a_file(self) -> str:
-        """How messages call it, whose path may be one for the time being."""
-        suffix = self.path.suffix.lower()
-        return f"an {suffix}" if suffix == ".exr" else f"a {suffix}"
 
 
 def save_picture(
@@ -67,10 +58,10 @@ def save_picture(
     linear ones of floats to sRGB in 8 and 16 bits. What cannot be kept is noted. Raises Refusal,
     Torn if the file was cut short, RuntimeError if Blender cannot write it, and OSError.
     """
-    form = BY_SUFFIX[path.suffix.lower()]
-    target = Target(
-        path, form, depth or form.depth_for(picture.header.depth), quality or form.quality
-    )
+    suffix = path.suffix.lower()
+    form = BY_SUFFIX[suffix]
+    depth = depth or form.depth_for(picture.header.depth)
+    target = Target(path, suffix, form, depth, quality or form.quality)
     if target.depth not in form.holding(picture.header.depth):
         note(f"written with {DEPTHS[target.depth]}; the input has {DEPTHS[picture.header.depth]}")
     with _scene(target) as scene:
@@ -116,7 +107,7 @@ def _of_alpha(pixels: Pixels, target: Target, holds_alpha: bool) -> Pixels:
         count = int((alpha < 1).sum())
         if count:
             note(
-                f"{target.a_file} has no alpha: {count} pixels that were transparent are shown "
+                f"{a(target.suffix)} has no alpha: {count} pixels that were transparent are shown "
                 "in full"
             )
         opaque = pixels.associated(False)
@@ -163,7 +154,7 @@ def _channels(picture: Picture, pixels: Pixels, target: Target) -> str:
         grey, colors_ = "grey", "red, green and blue"
         if pixels.has_alpha:
             grey, colors_ = "grey with alpha", "red, green, blue and alpha"
-        note(f"its {grey} becomes {colors_}, as no {grey} is written to {target.a_file}")
+        note(f"its {grey} becomes {colors_}, as no {grey} is written to {a(target.suffix)}")
     return "RGBA" if pixels.has_alpha else "RGB"
 
 
@@ -261,8 +252,8 @@ def _check(pixels: Pixels, target: Target) -> None:
             f"its colors are in {pixels.space}, but Blender will open it as {assumed}: choose "
             "the first as its Color Space"
         )
-    if target.is_lossy:
-        return
+    if target.form.name == "JPEG" or (target.form.name == "WEBP" and target.quality != 100):
+        return  # its values are not those that it was given
     wanted = pixels.stored
     if target.form.loses_hidden and pixels.has_alpha:
         shown = wanted[..., 3] > OF_STEP / STEPS["8"]

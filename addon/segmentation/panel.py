@@ -1,10 +1,7 @@
 """The panel that labels the parts of the selected meshes."""
 
-from functools import partial
-
 import bpy
 
-from ..bands.estimates import of_meshes
 from ..bands.settings import Settings
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from .cosegment import METHOD, SPECTRAL_TV_OT_cosegment
@@ -20,5 +17,5 @@ class SPECTRAL_TV_PT_segment(MeshPanel, bpy.types.Panel):
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_segmentation
         settings = Settings(method=METHOD.upper(), steps=choices.steps)
-        draw_selection(layout, context, "parts", partial(of_meshes, settings))
+        draw_selection(layout, context, "parts", settings.needs)
         draw_button(layout, SPECTRAL_TV_OT_cosegment, "COLOR", choices)
