@@ -17,8 +17,6 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
     """How accurate the bands are for the number of steps"""
 
     bl_label = "Accuracy"
-    bl_parent_id = "SPECTRAL_TV_PT_bands"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -160,7 +160,8 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
         for band in new:
             band.vertex_group = settings_of(record).vertex_group
     wanted = _names(record.method, count)
-    names, given = recut.take_place(obj, keeping_of(record), old, new, wanted, overlap)
+    change = recut.Recut(obj, keeping_of(record), old, new, wanted, overlap)
+    names, given = change.take_place()
     _record_bands(obj, record, names, given, edges)
     return names
 
