@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..scene.arrays import corner_vertices, numbers
+from ..scene.arrays import corner_vertices, means, numbers
 from ..scene.contents import TYPES, attribute_values
 from ..scene.fingerprints import names as names_of
 from ..scene.mix import key_displacement, keys_of
@@ -112,20 +112,13 @@ def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
         return values
     corners = corner_vertices(mesh)
     if attribute.domain == "CORNER":
-        return _means(corners, np.ones(len(corners)), values, len(mesh.vertices))
+        return means(corners, values, len(mesh.vertices))
     sizes = numbers(mesh.polygons, "loop_total")
     areas = numbers(mesh.polygons, "area", dtype=np.float32)
     # A face without area still has a say where it is alone.
     areas = np.maximum(areas, np.finfo(np.float32).tiny)
     face = np.repeat(np.arange(len(sizes)), sizes)
-    return _means(corners, areas[face], values[face], len(mesh.vertices))
-
-
-def _means(vertices: np.ndarray, weights: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
-    """Weighted means of the values that belong to every vertex; 0 where none do."""
-    total = np.bincount(vertices, weights, count)
-    sums = [np.bincount(vertices, weights * channel, count) for channel in values.T]
-    return np.column_stack(sums) / np.where(total > 0, total, 1)[:, np.newaxis]
+    return means(corners, values[face], len(mesh.vertices), areas[face])
 
 
 def _why_not(attribute: bpy.types.Attribute) -> str:

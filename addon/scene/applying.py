@@ -124,15 +124,13 @@ def _write(obj: bpy.types.Object, applied: Applied) -> None:
         mesh.materials.append(material)
     # A BMesh that was read from it alone knows which keys are which.
     edited = bmesh.new()
-    try:
-        edited.from_mesh(mesh)
-        bmesh.ops.delete(edited, geom=edited.verts[:], context="VERTS")
-        edited.from_mesh(applied.mesh)
-        for sequence in (edited.verts, edited.edges, edited.faces):
-            sequence.sort()  # they are where room was found
-        edited.to_mesh(mesh)
-    finally:
-        edited.free()
+    edited.from_mesh(mesh)
+    bmesh.ops.delete(edited, geom=edited.verts[:], context="VERTS")
+    edited.from_mesh(applied.mesh)
+    for sequence in (edited.verts, edited.edges, edited.faces):
+        sequence.sort()  # they are where room was found
+    edited.to_mesh(mesh)
+    edited.free()
     for key, shape in zip(mesh.shape_keys.key_blocks, applied.keys, strict=True):
         key.data.foreach_set("co", shape)
     mesh.vertices.foreach_set("co", applied.keys[0])

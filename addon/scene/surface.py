@@ -11,6 +11,7 @@ import spectral_tv
 from mathutils import Matrix, Vector
 
 from . import applied
+from .arrays import means
 from .coordinates import basis_coordinates, triangles
 from .mirroring import Copies, mirrored, single
 from .modifiers import symmetries
@@ -157,11 +158,7 @@ class Surface:
     def _gathered(self, values: np.ndarray) -> np.ndarray:
         """Means (N, C) at the mesh's vertices of values (copies, V, C)."""
         is_there = self.copies.places >= 0
-        places, values = self.copies.places[is_there], values[is_there]
-        total = len(self.mesh.vertex_areas)
-        count = np.maximum(np.bincount(places, minlength=total), 1)
-        sums = [np.bincount(places, channel, total) for channel in values.T]
-        return np.column_stack(sums) / count[:, np.newaxis]
+        return means(self.copies.places[is_there], values[is_there], len(self.mesh.vertex_areas))
 
 
 def shape_of(surfaces: Sequence[Surface], shapes: Sequence[np.ndarray]) -> np.ndarray:
