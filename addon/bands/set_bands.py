@@ -2,14 +2,16 @@
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import EnumProperty, IntProperty
 
 from ..job.operator import ChangeOperator
+from ..options.properties import property_of
 from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import bands_of, keeping_of, record_of, renew_bands, topology_changed
 from . import filter_curve
 from .bands import cut_again, flows, set_values
+from .filtering import FilterSettings
 from .gains import PRESETS, curve_values, idle_reason, preset_values
 from .solo import toggle_solo
 
@@ -53,12 +55,9 @@ class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
     bl_label = "Filter"
 
     preset: EnumProperty(name="Filter", items=PRESETS, default="LOW_PASS")
-    first: IntProperty(name="First Band", description="1 is the finest", default=3, min=1)
-    last: IntProperty(name="Last Band", description="1 is the finest", default=3, min=1)
-    amount: FloatProperty(
-        name="Amount", description="How much is added to the chosen bands: 1 doubles them",
-        default=1, soft_min=-1, soft_max=4
-    )  # fmt: skip
+    first: property_of(FilterSettings, "first")
+    last: property_of(FilterSettings, "last")
+    amount: property_of(FilterSettings, "amount")
 
     @classmethod
     def description(cls, _context, properties) -> str:
