@@ -16,7 +16,7 @@ from ..scene.animation import curves_of
 from ..scene.applied import mesh_of
 from ..scene.coordinates import seen_coordinates
 from ..scene.notes import listed, note
-from ..scene.shape_keys import SLIDER_RANGE, add_displacements
+from ..scene.shape_keys import SLIDER_RANGE
 from ..scene.temporary import Temporary
 from .contents import armatures, own_properties
 from .copies import Dress, held, off, unhooked
@@ -174,13 +174,16 @@ def _moves(
 
 
 def _write(mesh: bpy.types.Mesh, shape: Shape) -> None:
-    """Give a mesh without keys these."""
+    """Give a mesh without keys these, and nothing that the extension keeps."""
     mesh.vertices.foreach_set("co", shape.base.astype(np.float32).ravel())
     with Temporary() as now:
         helper = now.made(bpy.data.objects.new("Helper", mesh))
-        keys = add_displacements(helper, [*shape.moves], shape.moves.values())
-        for key, name in zip(keys, shape.moves, strict=True):
+        helper.shape_key_add(name="Basis", from_mix=False)
+        for name, move in shape.moves.items():
+            key = helper.shape_key_add(name=name, from_mix=False)
+            key.slider_min, key.slider_max = SLIDER_RANGE
             key.value = shape.values[name]
+            key.data.foreach_set("co", (shape.base + move).astype(np.float32).ravel())
 
 
 def _animate(mesh: bpy.types.Mesh, obj: bpy.types.Object, shape: Shape) -> None:
