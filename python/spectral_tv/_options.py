@@ -77,20 +77,20 @@ class ShapeOptions(StepOptions, total=False):
     soft_edges: Annotated[
         float,
         'How soft the edges of "m1" are, from 0 to 1. 0: the paper\'s TV, which lets a feature '
-        "vanish at once. 0.3: a bounded weight, by which it fades along its rim, so that bands have "
-        "no hems. Only 0 is zero-homogeneous.",
+        "vanish at once. 0.3: a bounded weight, by which it fades along its rim, so that bands "
+        "have no hems. Only 0 is zero-homogeneous.",
     ]
     base: Annotated[
         ArrayLike | Literal["limbs"] | None,
         'The smooth base of "m3" and "displacement". Default: the mesh under ten steps of '
-        '`conformal_flow`, which takes limbs from it. "limbs": the low-pass of "m1" with soft edges '
-        "and limbs kept, so that only folds and plates lie on it.",
+        '`conformal_flow`, which takes limbs from it. "limbs": the low-pass of "m1" with soft '
+        "edges and limbs kept, so that only folds and plates lie on it.",
         '(V, 3) array or "limbs"',
     ]
     base_time: Annotated[
         float | None,
-        "How far the flow to the base goes, length². Default: 5e-3 of the area, and 3e-3 where limbs "
-        "are kept.",
+        "How far the flow to the base goes, length². Default: 5e-3 of the area, and 3e-3 where "
+        "limbs are kept.",
     ]
     displacement: Annotated[
         Annotated[Literal["scalar"], "its signed length, in fixed directions (the paper's way)."]

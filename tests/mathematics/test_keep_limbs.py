@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 import spectral_tv
@@ -83,8 +85,6 @@ def test_a_factor_that_makes_no_sense_is_refused():
 
 
 def test_a_restored_decomposition_keeps_limbs_as_well():
-    import pickle
-
     split = spectral_tv.decompose(BODY, steps=8)
     restored = pickle.loads(pickle.dumps(split))
     edges = split.band_edges(3)
