@@ -502,6 +502,7 @@ def test_ticking_scales_or_smoothing_changes_nothing(method):
     choices.use_scales = True
     assert choices.shown_finest == 2
     choices.finest, choices.use_scales, choices.use_base_amount = 0, False, False
+    choices.property_unset("method")
 
 
 def test_unset_scales_of_an_operator_are_the_methods_own(monkey):
