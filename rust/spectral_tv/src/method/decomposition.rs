@@ -42,7 +42,8 @@ impl Decomposition {
         })
     }
 
-    /// A decomposition from the parts of another: its transform, M3's base and direction, the spectrum, N − 1, the areas of the vertices, V, and the mesh that was decomposed.
+    /// A decomposition from the parts of another: its transform, M3's base and direction, the
+    /// spectrum, N − 1, the areas of the vertices, V, and the mesh that was decomposed.
     ///
     /// # Errors
     /// If shapes do not go together, or a number is not finite.

@@ -65,13 +65,15 @@ impl ThicknessCut {
             let latest = &self.latest[first..first + columns.ncols()];
             let cuts: Vec<f64> = latest.iter().map(|&l| soft_least(logarithm, l)).collect();
             let last = cuts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let mut factors = vec![0.0; cuts.len()];
+            let (mut weights, mut factors) = (vec![0.0; cuts.len()], vec![0.0; cuts.len()]);
             for (step, increment) in trajectory.increments().iter().enumerate() {
                 if !shares.reach(step, last) {
                     break;
                 }
-                for (factor, &cut) in factors.iter_mut().zip(&cuts) {
-                    *factor = shares.factor(step, cut);
+                let duration = shares.times[step + 1] - shares.times[step];
+                for ((factor, weight), &cut) in factors.iter_mut().zip(&mut weights).zip(&cuts) {
+                    let next = shares.weight(step + 1, cut);
+                    *factor = (std::mem::replace(weight, next) - next) / duration;
                 }
                 increment.add_weighted(&factors, first, &mut columns);
             }
@@ -131,10 +133,9 @@ impl Shares {
         self.share(step.max(1), cut) > 0.0
     }
 
-    /// The factor of a step's increment in Σ_k x_k φ_k, see
-    /// [`crate::spectral::SpectralTransform::combination`].
-    fn factor(&self, step: usize, cut: f64) -> f64 {
-        let weight = |k: usize| self.share(k, cut) * self.times[k];
-        (weight(step) - weight(step + 1)) / (self.times[step + 1] - self.times[step])
+    /// x_k t_k. The increment of the step from t_k counts by the difference of two of them, by its
+    /// duration, see [`crate::spectral::SpectralTransform::combination`].
+    fn weight(&self, k: usize, cut: f64) -> f64 {
+        self.share(k, cut) * self.times[k]
     }
 }

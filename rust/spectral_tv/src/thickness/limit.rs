@@ -63,25 +63,18 @@ pub(super) fn filled(
     };
     let known = (0..radii.len() as u32).filter(|v| radii[*v as usize] > 0.0 && has_empty(*v));
     let queue = known.map(|vertex| Reverse(Entry { key: 0.0, vertex }));
-    let mut queue: BinaryHeap<_> = queue.collect();
-    while let Some(Reverse(Entry { key, vertex })) = queue.pop() {
-        stage.check()?;
-        if key > distances[vertex as usize] {
-            continue;
-        }
-        for other in incidence.around(shape, vertex) {
-            let distance = key + edge(shape, vertex, other);
-            if distance < distances[other as usize] {
-                distances[other as usize] = distance;
-                radii[other as usize] = radii[vertex as usize];
-                queue.push(Reverse(Entry {
-                    key: distance,
-                    vertex: other,
-                }));
-            }
-        }
-    }
-    Ok(())
+    let queue = queue.collect();
+    spread(
+        shape,
+        incidence,
+        &mut distances,
+        queue,
+        1.0,
+        stage,
+        |from, to| {
+            radii[to as usize] = radii[from as usize];
+        },
+    )
 }
 
 /// Lowers `radii` (V) to those of balls between opposite sides, and to r + 0.3 d at the distance d
@@ -115,20 +108,33 @@ pub(super) fn limited(
             vertex,
         })
     });
-    let mut queue: BinaryHeap<_> = queue.collect();
+    let queue = queue.collect();
+    spread(shape, incidence, radii, queue, SLOPE, stage, |_, _| ())
+}
+
+/// Lowers `keys` (V) to at most key + `slope` d at the distance d along edges from those in the queue
+/// (Dijkstra's algorithm), and tells of each that is lowered, from which and to which vertex.
+fn spread(
+    shape: &Scaled,
+    incidence: &Incidence,
+    keys: &mut [f64],
+    mut queue: BinaryHeap<Reverse<Entry>>,
+    slope: f64,
+    stage: Stage,
+    mut lowered: impl FnMut(u32, u32),
+) -> Result<()> {
     while let Some(Reverse(Entry { key, vertex })) = queue.pop() {
         stage.check()?;
-        if key > radii[vertex as usize] {
+        if key > keys[vertex as usize] {
             continue;
         }
         for other in incidence.around(shape, vertex) {
-            let limit = key + SLOPE * edge(shape, vertex, other);
-            if limit < radii[other as usize] {
-                radii[other as usize] = limit;
-                queue.push(Reverse(Entry {
-                    key: limit,
-                    vertex: other,
-                }));
+            let key = key + slope * edge(shape, vertex, other);
+            if key < keys[other as usize] {
+                keys[other as usize] = key;
+                lowered(vertex, other);
+                let vertex = other;
+                queue.push(Reverse(Entry { key, vertex }));
             }
         }
     }
