@@ -12,6 +12,7 @@ mod error;
 mod estimate;
 mod flow;
 mod flowing;
+mod guard;
 mod image;
 mod job;
 mod mesh;
@@ -56,6 +57,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(flowing::start_conformal_flow, module)?,
         wrap_pyfunction!(flowing::start_flow, module)?,
         wrap_pyfunction!(flowing::total_variation, module)?,
+        wrap_pyfunction!(guard::folds, module)?,
+        wrap_pyfunction!(guard::start_safe_displacement, module)?,
+        wrap_pyfunction!(guard::start_self_intersections, module)?,
         wrap_pyfunction!(image::start_decompose_image, module)?,
         wrap_pyfunction!(pickling::_reduced, module)?,
         wrap_pyfunction!(pickling::_restore, module)?,

@@ -27,7 +27,7 @@ macro_rules! named {
 
 named! {
     band bands count finest gain height largest refinement scales seed segments smooth softness steps
-    time tolerance
+    stretch time tolerance
 }
 
 macro_rules! integers {
