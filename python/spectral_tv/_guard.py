@@ -10,7 +10,7 @@ from spectral_tv._results import Folds, SafeDisplacement
 from spectral_tv._work import starting, waiting
 
 #: How many times its length an edge may become, where nothing else is asked for.
-STRETCH = 2.5
+STRETCH: float = _native._STRETCH
 
 
 def folds(mesh: Mesh, displacement: ArrayLike, stretch: float = STRETCH) -> Folds:

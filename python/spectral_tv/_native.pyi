@@ -17,6 +17,7 @@ from spectral_tv._results import (
 )
 
 __version__: str
+_STRETCH: float
 
 class MeshError(ValueError):
     vertices: NDArray[np.int64]

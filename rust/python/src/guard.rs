@@ -22,10 +22,11 @@ pub fn folds<'py>(
     displacement: &Bound<'py, PyAny>,
     #[pyo3(from_py_with = parameters::stretch)] stretch: f64,
 ) -> Result<Bound<'py, PyAny>, Failure> {
-    let displacement = arrays::positions("displacement", displacement)?;
     let mesh = &mesh.inner;
-    let found = guarded(py, |stage| {
-        guard::folds_with(mesh, by_axis(&displacement), stretch, stage)
+    let found = arrays::with_positions("displacement", displacement, |displacement| {
+        guarded(py, |stage| {
+            guard::folds_with(mesh, by_axis(displacement), stretch, stage)
+        })
     })?;
     let fields = Fields::new(py)
         .with("flipped", faces(py, &found.flipped)?)?
@@ -48,7 +49,10 @@ pub fn start_safe_displacement(
     };
     Job::start(work, |py, safe| {
         let fields = Fields::new(py)
-            .with("displacement", arrays::per_vertex(py, safe.displacement.view())?)?
+            .with(
+                "displacement",
+                arrays::per_vertex(py, safe.displacement.view())?,
+            )?
             .with("shares", arrays::array_of(py, &safe.shares)?)?
             .with("kept", safe.kept)?
             .with("rounds", safe.rounds)?;

@@ -24,6 +24,7 @@ mod settings;
 mod threads;
 
 use pyo3::prelude::*;
+use spectral_tv::guard::DEFAULT_STRETCH;
 use spectral_tv::solver::warm_up;
 use spectral_tv_system::{Heap, keep_a_little};
 
@@ -37,6 +38,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     warm_up();
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("_STRETCH", DEFAULT_STRETCH)?;
     error::prepare(py)?;
     module.add("MeshError", py.get_type::<error::MeshError>())?;
     module.add("MeshWarning", py.get_type::<error::MeshWarning>())?;

@@ -72,7 +72,10 @@ fn turned(corners: &Triangle, sides: [i8; 3]) -> (Triangle, i8) {
     let is_alone = |which: i8| sides.iter().filter(|&&side| side == which).count() == 1;
     let alone = [1, -1, 0].into_iter().find(|&which| is_alone(which));
     let alone = alone.expect("three signs that are not all the same, or two of them 0");
-    let place = sides.iter().position(|&side| side == alone).expect("it is there");
+    let place = sides
+        .iter()
+        .position(|&side| side == alone)
+        .expect("it is there");
     let side = match alone {
         0 => -sides[(place + 1) % 3],
         side => side,
@@ -95,7 +98,10 @@ fn overlap(one: &Triangle, other: &Triangle) -> bool {
     let Some(axis) = axis else {
         return false;
     };
-    let (one, other) = (counterclockwise(seen(one, axis)), counterclockwise(seen(other, axis)));
+    let (one, other) = (
+        counterclockwise(seen(one, axis)),
+        counterclockwise(seen(other, axis)),
+    );
     !has_outside(&one, &other) && !has_outside(&other, &one)
 }
 

@@ -93,7 +93,11 @@ impl<'a> Displaced<'a> {
 /// What a face's corners have.
 #[inline]
 fn at(values: &[[f64; 3]], [i, j, k]: [u32; 3]) -> [&[f64; 3]; 3] {
-    [&values[i as usize], &values[j as usize], &values[k as usize]]
+    [
+        &values[i as usize],
+        &values[j as usize],
+        &values[k as usize],
+    ]
 }
 
 /// An array (3, V) as vectors: itself where they lie in memory so.

@@ -11,13 +11,13 @@ pub(super) const LEAST_AREA: f64 = 0.2;
 /// A face that is lower than this share of its longest edge has no normal that counts, and a shorter
 /// edge counts as if it were so long. That is what single precision tells of a face a hundredth the
 /// size of the shape.
-const NEEDLE: f64 = 1e-5;
+pub(super) const NEEDLE: f64 = 1e-5;
 
 /// The square of the length from which on a face has a size at all.
 const LEAST_SIZE: f64 = 1e-280;
 
 /// Squares of lengths of which no product in here overflows, or vanishes where it matters.
-const USUAL: RangeInclusive<f64> = 1e-60..=1e60;
+pub(super) const USUAL: RangeInclusive<f64> = 1e-60..=1e60;
 
 type Vector = Vector3<f64>;
 
@@ -42,7 +42,6 @@ pub(super) struct Face {
 
 impl Face {
     /// `None` for a face without any size: it takes no part.
-
     #[inline]
     pub fn new(corners: [&[f64; 3]; 3], shifts: [&[f64; 3]; 3]) -> Option<Self> {
         let edges = differences(corners);

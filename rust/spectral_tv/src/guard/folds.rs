@@ -71,7 +71,9 @@ pub fn folds_with(
     // Faces that do no worse than these are passed over.
     let some = (0..count).step_by(SAMPLE * BLOCK);
     let some = some.map(|first| first..count.min(first + BLOCK));
-    let some = some.fold(Part::new(stretch), |part, faces| part.with(&displaced, faces));
+    let some = some.fold(Part::new(stretch), |part, faces| {
+        part.with(&displaced, faces)
+    });
     let look = |faces| some.emptied().with(&displaced, faces);
     let parts = stage.pass(|| parallel::parts(count, look))?;
     stage.report(1.0)?;

@@ -6,9 +6,10 @@ mod displaced;
 mod face;
 mod folds;
 mod ramp;
-mod screen;
 mod safe_displacement;
+mod screen;
 mod self_intersections;
+mod slabs;
 mod stretch;
 
 pub use folds::{Folds, folds, folds_with};

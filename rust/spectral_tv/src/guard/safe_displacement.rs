@@ -6,8 +6,8 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::error::Result;
 use crate::guard::displaced::Displaced;
-use crate::guard::screen::Screen;
 use crate::guard::ramp::Ramp;
+use crate::guard::screen::Screen;
 use crate::guard::stretch::check_stretch;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
@@ -75,7 +75,10 @@ pub fn safe_displacement_with(
     stage.report(0.0)?;
     stage.require(
         needs::safe_displacement(needs::Size::of(mesh)),
-        &format!("clamping a displacement of {} vertices", mesh.vertex_count()),
+        &format!(
+            "clamping a displacement of {} vertices",
+            mesh.vertex_count()
+        ),
         "take a mesh of fewer vertices",
     )?;
     let displaced = Displaced::new(mesh, displacement)?;

@@ -1,27 +1,20 @@
 //! Faces of a mesh that cross other faces of it.
 
-use std::ops::Range;
-
 use ndarray::ArrayView2;
 use rayon::prelude::*;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
+use rstar::AABB;
 
 use crate::error::Result;
 use crate::guard::crossing::{Triangle, cross};
 use crate::guard::displaced::Displaced;
+use crate::guard::slabs::{Boxes, Slabs};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
 use crate::parallel;
 
-/// Faces between two looks whether to go on.
-const BATCH: usize = 1 << 17;
 /// Share of the progress that is given to sorting the faces by place.
 const SORTING: f64 = 0.4;
-
-/// The boxes of faces, with the faces' numbers.
-type Tree = RTree<GeomWithData<Rectangle<[f64; 3]>, u32>>;
 
 /// The faces of `mesh` that cross another face of it, in order, where its vertices are moved by
 /// `displacement` (3, V), if there is one.
@@ -66,23 +59,14 @@ pub fn self_intersections_with(
         triangles: mesh.triangles(),
         positions,
     };
-    let boxes = stage.pass(|| parallel::values(count, |face| faces.envelope(face)))?;
-    let boxes = (0..).zip(boxes).map(|(face, extent)| GeomWithData::new(extent.into(), face));
-    let boxes = boxes.collect();
-    let tree = stage.pass(|| Tree::bulk_load(boxes))?;
-    stage.report(SORTING)?;
+    let slabs = Slabs::new(&faces, stage.stage(0.0, SORTING))?;
     let stage = stage.stage(SORTING, 1.0);
     let mut is_crossed = vec![false; count];
-    for first in (0..count).step_by(BATCH) {
-        let batch = first..count.min(first + BATCH);
-        let length = batch.len();
-        let pairs = parallel::parts(length, |part| {
-            faces.crossings(&tree, first + part.start..first + part.end)
-        });
-        for face in pairs.into_iter().flatten() {
+    for slab in 0..slabs.count() {
+        stage.report(slab as f64 / slabs.count() as f64)?;
+        for face in slabs.pairs(slab, |one, other| faces.cross(one, other)) {
             is_crossed[face as usize] = true;
         }
-        stage.report((first + length) as f64 / count as f64)?;
     }
     stage.report(1.0)?;
     Ok((0..count).filter(|&face| is_crossed[face]).collect())
@@ -115,27 +99,21 @@ struct Faces<'a> {
 }
 
 impl Faces<'_> {
-    fn corners(&self, face: usize) -> Triangle {
-        self.triangles[face].map(|corner| self.positions[corner as usize])
+    fn corners(&self, face: u32) -> Triangle {
+        self.triangles[face as usize].map(|corner| self.positions[corner as usize])
     }
 
-    fn envelope(&self, face: usize) -> AABB<[f64; 3]> {
+    fn cross(&self, one: u32, other: u32) -> bool {
+        cross(&self.corners(one), &self.corners(other))
+    }
+}
+
+impl Boxes for Faces<'_> {
+    fn count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    fn envelope(&self, face: u32) -> AABB<[f64; 3]> {
         AABB::from_points(&self.corners(face))
-    }
-
-    /// Those of some faces, and of later ones, that cross one another.
-    fn crossings(&self, tree: &Tree, faces: Range<usize>) -> Vec<u32> {
-        let mut found = Vec::new();
-        for face in faces {
-            let corners = self.corners(face);
-            let near = tree.locate_in_envelope_intersecting(&self.envelope(face));
-            let later = near.map(|other| other.data).filter(|&other| other as usize > face);
-            for other in later {
-                if cross(&corners, &self.corners(other as usize)) {
-                    found.extend([face as u32, other]);
-                }
-            }
-        }
-        found
     }
 }

@@ -18,9 +18,9 @@ const OPERATORS: u64 = 500;
 /// The same of one solution of a deformer, beside what that holds.
 const SOLUTION: u64 = 600;
 /// The same of looking for faces that fold, of clamping a displacement, and of boxes round faces.
-const FOLDS: u64 = 100;
+const FOLDS: u64 = 120;
 const CLAMPED: u64 = 300;
-const BOXES: u64 = 400;
+const BOXES: u64 = 520;
 
 /// How large a mesh is, for what is held of its vertices and triangles: V, or F/4 if that is more:
 /// most have 2 V triangles, an image's grid 4 V.
