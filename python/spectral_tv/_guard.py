@@ -59,9 +59,9 @@ def safe_displacement(
     limit, its corners keep less; from there the share rises to 1 along the edges, over 0.03 of the
     root of the area. `folds` of the result, with the same limit, finds a safe gain of at least 1.
 
-    It is for what exaggerates a shape: bands at gains above 0. It is of no use for what smooths one, such as
-    bands at a gain of −1: clamped parts of what is taken away stay as shreds. It does not keep distant
-    parts from meeting; `self_intersections` tells where they do.
+    It is for what exaggerates a shape: bands at gains above 0. It is of no use for what smooths
+    one, such as bands at a gain of −1: clamped parts of what is taken away stay as shreds. It does
+    not keep distant parts from meeting; `self_intersections` tells where they do.
 
     Parameters
     ----------

@@ -168,3 +168,82 @@ fn kept(mesh: &TriangleMesh, shifts: &[[f64; 3]], shares: &[f64]) -> f64 {
         false => 1.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guard::{DEFAULT_STRETCH, folds};
+
+    /// A flat sheet of `size` by `size` vertices, one apart.
+    fn sheet(size: usize) -> TriangleMesh {
+        let at = |k: usize, j: usize| (size * k + j) as i64;
+        let cells = (1..size).flat_map(|k| (1..size).map(move |j| (k, j)));
+        let triangles: Vec<[i64; 3]> = cells
+            .flat_map(|(k, j)| {
+                let [a, b, c, d] = [at(k - 1, j - 1), at(k, j - 1), at(k, j), at(k - 1, j)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let vertices = (0..size * size).map(|v| [(v / size) as f64, (v % size) as f64, 0.0]);
+        TriangleMesh::new(vertices.collect(), &triangles).unwrap()
+    }
+
+    #[test]
+    fn what_is_safe_stays_as_it_is() {
+        let mesh = sheet(9);
+        let lift = Array2::from_shape_fn((3, 81), |(axis, v)| match axis {
+            2 => (v as f64).sin(),
+            _ => 0.0,
+        });
+        let safe = safe_displacement(&mesh, lift.view(), DEFAULT_STRETCH).unwrap();
+        assert_eq!((safe.displacement, safe.kept, safe.rounds), (lift, 1.0, 0));
+        let none = Array2::zeros((3, 81));
+        let safe = safe_displacement(&mesh, none.view(), DEFAULT_STRETCH).unwrap();
+        assert_eq!((safe.displacement, safe.kept), (none, 1.0));
+    }
+
+    #[test]
+    fn a_spike_is_cut_and_the_share_rises_around_it() {
+        let mesh = sheet(41);
+        let middle = 41 * 20 + 20;
+        let spike = Array2::from_shape_fn((3, 41 * 41), |(axis, v)| match (axis, v) {
+            (2, v) if v == middle => 20.0,
+            (2, _) => 1.0,
+            _ => 0.0,
+        });
+        let safe = safe_displacement(&mesh, spike.view(), DEFAULT_STRETCH).unwrap();
+        assert!(
+            folds(&mesh, safe.displacement.view(), DEFAULT_STRETCH)
+                .unwrap()
+                .safe_gain
+                >= 1.0
+        );
+        let least = safe
+            .shares
+            .iter()
+            .fold(1.0, |least: f64, &share| least.min(share));
+        assert!(safe.shares[middle] == least && least < 0.2);
+        assert!(safe.shares[0] == 1.0 && safe.kept < 1.0);
+        // By no more than 1 over 0.03 of the size along an edge.
+        let slope = 1.0 / (RAMP * mesh.area().sqrt());
+        for (v, share) in safe.shares.iter().enumerate().take(41 * 40) {
+            assert!((share - safe.shares[v + 41]).abs() <= slope * (1.0 + 1e-12));
+        }
+    }
+
+    #[test]
+    fn the_wildest_displacement_becomes_safe() {
+        let mesh = sheet(12);
+        let mut random = fastrand::Rng::with_seed(3);
+        for size in [1.0, 30.0, 1e6, 1e99] {
+            let wild = Array2::from_shape_fn((3, 144), |_| size * (random.f64() - 0.5));
+            for stretch in [1.0 + 1e-9, 1.1, DEFAULT_STRETCH, 1e6] {
+                let safe = safe_displacement(&mesh, wild.view(), stretch).unwrap();
+                let found = folds(&mesh, safe.displacement.view(), stretch).unwrap();
+                assert!(found.safe_gain >= 1.0, "{found:?}");
+                assert!(found.flipped.is_empty() && found.stretched.is_empty());
+                assert!((0.0..=1.0).contains(&safe.kept));
+            }
+        }
+    }
+}

@@ -117,3 +117,120 @@ impl Boxes for Faces<'_> {
         AABB::from_points(&self.corners(face))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+
+    const CORNERS: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+    const SIDES: [[i64; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+    /// Two tetrahedra, the second moved from the place of the first.
+    fn two(by: [f64; 3]) -> TriangleMesh {
+        let moved = CORNERS.map(|p| std::array::from_fn(|axis| p[axis] + by[axis]));
+        let sides = SIDES
+            .iter()
+            .chain(&SIDES)
+            .zip([0; 4].into_iter().chain([4; 4]));
+        let triangles: Vec<_> = sides.map(|(side, first)| side.map(|v| v + first)).collect();
+        TriangleMesh::new([CORNERS, moved].concat(), &triangles).unwrap()
+    }
+
+    fn found(by: [f64; 3]) -> Vec<usize> {
+        self_intersections(&two(by), None).unwrap()
+    }
+
+    #[test]
+    fn tetrahedra_cross_where_they_interpenetrate() {
+        assert_eq!(found([3.0, 0.0, 0.0]), []);
+        // The tip of the first is above the base of the second, inside.
+        assert_eq!(found([-0.1, -0.1, 0.5]), [1, 2, 3, 4]);
+        let mesh = two([3.0, 0.0, 0.0]);
+        let back = Array2::from_shape_fn((3, 8), |(axis, v)| match v < 4 {
+            true => 0.0,
+            false => [-3.1, -0.1, 0.5][axis],
+        });
+        assert_eq!(
+            self_intersections(&mesh, Some(back.view())).unwrap(),
+            [1, 2, 3, 4]
+        );
+    }
+
+    #[test]
+    fn touching_is_not_crossing() {
+        // At a corner, at the tip, and with a corner on the middle of an edge.
+        assert_eq!(found([1.0, 0.0, 0.0]), []);
+        assert_eq!(found([0.0, 0.0, 1.0]), []);
+        assert_eq!(found([0.5, 0.5, 0.0]), []);
+        // The same again lies on itself.
+        assert_eq!(found([0.0; 3]), [0, 1, 2, 3, 4, 5, 6, 7]);
+        // A face on a face, with a part in common.
+        assert_eq!(found([0.5, 0.25, 0.0]), [0, 2, 4, 5, 7]);
+    }
+
+    #[test]
+    fn faces_that_share_a_corner_or_an_edge_cross_beyond_it() {
+        let mesh = |vertices: &[[f64; 3]], triangles: &[[i64; 3]]| {
+            let mesh = TriangleMesh::new(vertices.to_vec(), triangles).unwrap();
+            self_intersections(&mesh, None).unwrap()
+        };
+        let flat = [[0., 0., 0.], [2., 0., 0.], [0., 2., 0.]];
+        let with = |more: &[[f64; 3]]| [&flat, more].concat();
+        // Through the face from its corner, and beside it.
+        let through = with(&[[1., 1., 1.], [1., 1., -1.]]);
+        assert_eq!(mesh(&through, &[[0, 1, 2], [0, 3, 4]]), [0, 1]);
+        let beside = with(&[[-1., -1., 1.], [-1., -1., -1.]]);
+        assert_eq!(mesh(&beside, &[[0, 1, 2], [0, 3, 4]]), []);
+        // Folded onto the face along an edge, and away from it.
+        assert_eq!(
+            mesh(&with(&[[0.5, 0.5, 0.]]), &[[0, 1, 2], [1, 0, 3]]),
+            [0, 1]
+        );
+        assert_eq!(mesh(&with(&[[0.5, -0.5, 0.]]), &[[0, 1, 2], [1, 0, 3]]), []);
+        assert_eq!(
+            mesh(&with(&[[0.5, 0.5, 1e-300]]), &[[0, 1, 2], [1, 0, 3]]),
+            []
+        );
+        // Without area.
+        assert_eq!(
+            mesh(
+                &with(&[[1., 1., 1.], [0.5, 0.5, 0.], [0., 0., -1.]]),
+                &[[0, 1, 2], [3, 4, 5]]
+            ),
+            []
+        );
+    }
+
+    #[test]
+    fn there_are_as_many_in_many_slabs() {
+        let count = 30_000;
+        let mut random = fastrand::Rng::with_seed(5);
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        let mut expected = Vec::new();
+        for pair in 0..count {
+            // Every other pair interpenetrates. A sheet passes through two sides of the first of each.
+            let x = f64::from(random.u32(0..1_000_000)) + 1e7 * f64::from(pair);
+            let apart = if pair % 2 == 0 { 0.5 } else { 1.5 };
+            for (tetrahedron, up) in [0.0, apart].into_iter().enumerate() {
+                let first = vertices.len() as i64;
+                let shift = 0.1 * tetrahedron as f64;
+                vertices.extend(CORNERS.map(|[a, b, c]| [x + a - shift, b - shift, c + up]));
+                triangles.extend(SIDES.map(|side| side.map(|v| v + first)));
+            }
+            let crossing: &[usize] = if pair % 2 == 0 {
+                &[1, 2, 3, 4]
+            } else {
+                &[2, 3]
+            };
+            expected.extend(crossing.iter().map(|face| 8 * pair as usize + face));
+        }
+        let first = vertices.len() as i64;
+        let end = 1e7 * f64::from(count);
+        vertices.extend([[-1.0, 0.2, 0.2], [end, 0.2, 0.2], [-1.0, 9.0, 0.2]]);
+        triangles.push([first, first + 1, first + 2]);
+        let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
+        expected.push(8 * count as usize);
+        assert_eq!(self_intersections(&mesh, None).unwrap(), expected);
+    }
+}
