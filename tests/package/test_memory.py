@@ -106,10 +106,6 @@ print(estimate.bytes / (reading("VmHWM") - before))
             "spectral_tv.eigenset_test(surface(600), np.arange(600**2) < 9000)",
             "testing a set of 360000 vertices",
         ),
-        (
-            "spectral_tv.self_intersections(surface(800))",
-            "looking for faces that cross among 1276802 takes about",
-        ),
         ("spectral_tv.cosegment([split] * 100, 2)", "segmenting 1000000 vertices"),
         (
             "spectral_tv.caricature([mesh], (1e-4, 1e-3), steps=5000)",

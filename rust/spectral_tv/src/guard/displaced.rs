@@ -76,7 +76,9 @@ impl<'a> Displaced<'a> {
                 block.set(place, at(vertices, corners), at(shifts, corners));
             }
             let excess = screen.judge(&block);
-            let shown = (0..some.len()).filter(|&place| !(excess[place] <= 0.0));
+            // Whatever is not known to be calm is shown, NaN too.
+            let is_calm = |place: &usize| excess[*place] <= 0.0;
+            let shown = (0..some.len()).filter(|place| !is_calm(place));
             for place in shown {
                 let corners = some[place];
                 if repeats_an_index(&corners) {

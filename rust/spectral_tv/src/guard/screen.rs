@@ -9,7 +9,7 @@ pub(super) const BLOCK: usize = 64;
 /// of its least height x: at least 1 − 2x − x² > [`LEAST_AREA`].
 const CALM: f64 = 0.34;
 
-/// So many faces of a block are looked at at once.
+/// Up to so many faces of a block are looked at without another judgement.
 const FEW: usize = 8;
 
 /// More than what rounding does to sums of products.
