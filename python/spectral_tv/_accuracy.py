@@ -33,13 +33,12 @@ def accuracy(
     Parameters
     ----------
     mesh : Mesh
-    method : {"m1", "m2", "m3", "naive", "heat"}
+    {method}
     steps : (n,) array of integers
         The numbers of steps to compare, at least 2 each.
     bands : int
         Number of bands K.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
     scales : (float, float), optional
         The finest and the largest scale, length²; see `graded_times`. Default: the method's.
     refinement : int

@@ -37,12 +37,10 @@ def caricature(
         What the band is multiplied by.
     smooth : float
         Detail that vanishes before this t/area, and is not in the band, is removed.
-    method : {"m3", "m1", "m2", "naive", "heat"}
-        As in `decompose`.
+    {method}
     steps : int
         Number of steps of each flow.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
 
     Returns
     -------

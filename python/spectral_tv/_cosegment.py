@@ -31,8 +31,7 @@ def cosegment(
         Number of labels.
     seed : int
         Of the random starts.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
 
     Returns
     -------

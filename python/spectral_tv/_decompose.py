@@ -7,7 +7,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_tv import _native
 from spectral_tv._native import Decomposition, Job, Mesh
-from spectral_tv._options import DEFAULTS, STEPS, DecomposeOptions, Method, Progress
+from spectral_tv._options import (
+    DEFAULTS,
+    METHODS,
+    STEPS,
+    DecomposeOptions,
+    Method,
+    Progress,
+)
 from spectral_tv._results import Estimate
 from spectral_tv._work import spelled, starting, waiting
 
@@ -26,24 +33,15 @@ def decompose(
     Parameters
     ----------
     mesh : Mesh
-    method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
-        "m1": shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 7.3).
-        "m2": conformalized P-Laplace, for limbs and head (Sec. 7.4).
-        "m3": directional TV on a smooth base, keeps edges (Sec. 7.5).
-        "naive": TV of each coordinate alone (Sec. 7.2).
-        For comparison: "heat": linear diffusion. "lb": eigenfunctions of the Laplace–Beltrami
-        operator (Vallet and Lévy 2008), each at the time 1/λ; the first component is what the
-        `eigenpairs` do not hold. "displacement": the difference to a smooth base as the only
-        component (Cignoni, Scopigno and Tarini 2005).
+    {method}
     times : (N+1,) array, optional
         Increasing from 0, length². Default: `steps` times, evenly spaced at first and then in
-        log t, up to 3e-3 of the area for "m1", "naive" and "heat" (hands and feet), 1e-2 for
-        "m2" (whole limbs) and 1e-3 for "m3" (plates and muscles). For "lb" from half the last
-        1/λ on, up to 3e-3 of the area or more. None for "displacement".
+        log t, between the method's `default_scales`: those of "m1" end at hands and feet, those
+        of "m2" at whole limbs, those of "m3" at plates and muscles. For "lb" from half the last
+        1/λ on. None for "displacement".
     steps : int
         The number of steps N, if no times are given.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
     {options}
 
     Returns
@@ -105,9 +103,10 @@ def default_scales(method: Method, eigenpairs: int = DEFAULTS["eigenpairs"]) -> 
 
     Parameters
     ----------
-    method : {"m1", "m2", "m3", "naive", "heat", "lb", "displacement"}
+    method : str
+        As `decompose` takes it.
     eigenpairs : int
-        Of "lb", whose finest scale is that of the last.
+        Of a method that takes it: its finest scale is that of the last.
 
     Returns
     -------
@@ -119,7 +118,8 @@ def default_scales(method: Method, eigenpairs: int = DEFAULTS["eigenpairs"]) -> 
     MeshError
         If there is no such method.
     """
-    own = {"eigenpairs": eigenpairs} if method == "lb" else {}
+    facts = METHODS.get(method)
+    own = {"eigenpairs": eigenpairs} if facts and "eigenpairs" in facts.options else {}
     return _native.default_scales({"method": method, **own})
 
 

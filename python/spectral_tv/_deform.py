@@ -1,6 +1,6 @@
 """Deforming a mesh."""
 
-from typing import Literal
+from typing import Annotated, Literal, TypeAlias
 
 from numpy.typing import ArrayLike
 
@@ -10,7 +10,13 @@ from spectral_tv._options import Progress
 from spectral_tv._results import Deformation
 from spectral_tv._work import starting, waiting
 
-Algorithm = Literal["convex", "paper", "harmonic", "biharmonic", "arap"]
+Algorithm: TypeAlias = (
+    Annotated[Literal["convex"], "the problem itself, by primal-dual Newton."]
+    | Annotated[Literal["paper"], "Algorithm 1 of Brokman et al."]
+    | Annotated[Literal["harmonic"], "least ∫|∇d|² in its place, for comparison."]
+    | Annotated[Literal["biharmonic"], "least ∫|Δd|², for comparison."]
+    | Annotated[Literal["arap"], "as rigid as possible (Sorkine and Alexa 2007), for comparison."]
+)
 
 
 @waiting
@@ -42,11 +48,8 @@ def deform(
     tolerance : float
         Relative duality gap to reach, in (0, 1). "paper" and "arap" end where no vertex moves by
         more than this part of the movement.
-    algorithm : {"convex", "paper", "harmonic", "biharmonic", "arap"}
-        "convex": the problem itself, by primal-dual Newton. "paper": Algorithm 1 of Brokman et al.
-        The others minimise something else, for comparison.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {algorithm}
+    {progress}
 
     Returns
     -------

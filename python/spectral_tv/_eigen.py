@@ -31,8 +31,7 @@ def eigenset_test(
     members : (V,) array of bools or of floats, or (K,) array of integers
         The set: True or 0.5 and more for its vertices; or their indices, each once. Integers that
         are 0 or 1 at every vertex are taken as truth values.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
 
     Returns
     -------
@@ -62,8 +61,7 @@ def eigenpairs(
     count : int
         Number of eigenpairs K; V if the mesh has no more. The time grows with the square of K,
         and memory holds about 2 K functions.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """Flows of functions and of shapes."""
 
-from typing import Literal, Unpack
+from typing import Annotated, Literal, TypeAlias, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,10 @@ from spectral_tv._native import Flow, Job, Mesh
 from spectral_tv._options import DEFAULTS, Progress, Solver, StepOptions
 from spectral_tv._work import starting, waiting
 
-Operator = Literal["tv", "heat"]
+Operator: TypeAlias = (
+    Annotated[Literal["tv"], "u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20)."]
+    | Annotated[Literal["heat"], "u_t = Δu (Eq. 12)."]
+)
 
 
 @waiting
@@ -31,15 +34,13 @@ def flow(
     values : (V,) or (V, C) array
         The function f; the C channels of a TV flow are coupled.
     times : (N+1,) array
-        Increasing, from 0. In the unit (of the values) × length for "tv", length² for "heat";
+        Increasing, from 0. In the unit (of the values) × length for "tv", length² for others;
         both are length² where the values are lengths.
-    operator : {"tv", "heat"}
-        "tv" is u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), "heat" u_t = Δu (Eq. 12).
+    {operator}
     exact : bool
         Whether every step is a proximal step, solved to the gap `tolerance`. Eigenfunctions then
         decay in a straight line down to extinction.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
     {options}
 
     Returns
@@ -80,10 +81,8 @@ def conformal_flow(
         How far to flow, length²; 5e-3 of the area swallows limbs.
     steps : int
         Number of equal steps.
-    progress : callable, optional
-        Called with the fraction done.
-    solver : {"auto", "cholesky", "multigrid"}
-        How the linear systems are solved; see `decompose`.
+    {progress}
+    {solver}
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """Splitting an image into bands."""
 
-from typing import Literal, Unpack
+from typing import Annotated, Literal, TypeAlias, Unpack
 
 from numpy.typing import ArrayLike
 
@@ -9,7 +9,15 @@ from spectral_tv._native import Flow, Job
 from spectral_tv._options import STEPS, Progress, StepOptions
 from spectral_tv._work import starting, waiting
 
-Metric = Literal["flat", "surface"]
+Metric: TypeAlias = (
+    Annotated[Literal["flat"], "the plane's, which is spectral TV of images."]
+    | Annotated[
+        Literal["surface"],
+        "that of the image's graph (x, y, s f), which is spectral ATV (Brokman et al. 2024, "
+        "Sec. 9.3): on it steep places have more area and change more slowly, so that strong "
+        "detail outlasts faint detail by more.",
+    ]
+)
 
 
 @waiting
@@ -33,10 +41,7 @@ def decompose_image(
     image : (H, W) or (H, W, C) array of numbers
         Row by row, in any unit and encoding; the values are taken as they are. The C channels are
         coupled; to keep colors, decompose the luminance and add what it changes to all channels.
-    metric : {"flat", "surface"}
-        "flat": the plane's, which is spectral TV of images. "surface": that of the image's graph
-        (x, y, s f), which is spectral ATV (Brokman et al. 2024, Sec. 9.3): on it steep places have
-        more area and change more slowly, so that strong detail outlasts faint detail by more.
+    {metric}
     times : (N+1,) array, optional
         Increasing from 0, value × pixel. In the plane a disc of the radius r that stands out by h
         is gone at t = h r/2. Default: `steps` times, evenly spaced at first and then in log t.
@@ -45,8 +50,7 @@ def decompose_image(
         whole contrast.
     steps : int
         The number of steps N, where no times are given.
-    progress : callable, optional
-        Called with the fraction done; an exception it raises ends the work.
+    {progress}
     height : float
         How high the graph of "surface" is from the least to the greatest value, in pixels.
     {options}

@@ -1,40 +1,72 @@
 """The options that functions share: their types, texts and defaults, and which method takes which.
 
-The documentation of each function that takes them is made of the texts.
+The documentation of each function that takes them is made of the texts. A choice is a union of its
+names, each with its text.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, TypedDict
+from typing import Annotated, Any, Literal, TypeAlias, TypedDict
 
 from numpy.typing import ArrayLike
 
 from spectral_tv import _native
 
-Stepped = Literal["m1", "m2", "m3", "naive", "heat"]
-Method = Literal["m1", "m2", "m3", "naive", "heat", "lb", "displacement"]
-Scheme = Literal["extrapolated", "lagged", "exact"]
-Solver = Literal["auto", "cholesky", "multigrid"]
-Progress = Callable[[float], object]
+Stepped: TypeAlias = (
+    Annotated[
+        Literal["m1"], "shape spectral TV, for surface detail (Brokman et al. 2024, Sec. 7.3)."
+    ]
+    | Annotated[Literal["m2"], "conformalized P-Laplace, for limbs and head (Sec. 7.4)."]
+    | Annotated[Literal["m3"], "directional TV on a smooth base, keeps edges (Sec. 7.5)."]
+    | Annotated[Literal["naive"], "TV of each coordinate alone (Sec. 7.2)."]
+    | Annotated[Literal["heat"], "linear diffusion, for comparison."]
+)
+Method: TypeAlias = (
+    Stepped
+    | Annotated[
+        Literal["lb"],
+        "eigenfunctions of the Laplace–Beltrami operator (Vallet and Lévy 2008), each at the time "
+        "1/λ, for comparison; the first component is what the `eigenpairs` do not hold.",
+    ]
+    | Annotated[
+        Literal["displacement"],
+        "the difference to a smooth base as the only component (Cignoni, Scopigno and Tarini "
+        "2005), for comparison.",
+    ]
+)
+Scheme: TypeAlias = (
+    Annotated[Literal["extrapolated"], "at the extrapolated state, with BDF2."]
+    | Annotated[Literal["lagged"], "at the last state, with backward Euler (the paper's step)."]
+    | Annotated[
+        Literal["exact"],
+        "every step is a proximal step to the gap `tolerance`, so that eigenfunctions decay in a "
+        "straight line down to extinction; of total variation only (see `METHODS`).",
+    ]
+)
+Solver: TypeAlias = (
+    Annotated[Literal["auto"], "by the faster of both for the mesh."]
+    | Annotated[Literal["cholesky"], "by factorization."]
+    | Annotated[
+        Literal["multigrid"], "by conjugate gradients with multigrid, to 2e-6 of each increment."
+    ]
+)
+Progress: TypeAlias = Annotated[
+    Callable[[float], object],
+    "Called with the fraction done; an exception it raises ends the work.",
+    "callable",
+]
 
 
 class StepOptions(TypedDict, total=False):
     """How the steps of a flow are taken."""
 
-    scheme: Annotated[
-        Scheme,
-        'Where a step takes its weights. "extrapolated": at the extrapolated state, with BDF2. '
-        '"lagged": at the last state, with backward Euler (the paper\'s step). "exact": every step '
-        "is a proximal step to the gap `tolerance`, so that eigenfunctions decay in a straight "
-        'line down to extinction; of total variation only ("naive", "m1", "m3").',
-    ]
+    scheme: Annotated[Scheme, "Where a step takes its weights."]
     tolerance: Annotated[float, "Relative duality gap of exact steps, in (0, 1)."]
     solver: Annotated[
         Solver,
-        'How the linear systems of steps are solved. "cholesky": by factorization. "multigrid": '
-        'by conjugate gradients with multigrid, to 2e-6 of each increment. "auto": by the faster '
-        "of both for the mesh. Exact steps are always solved by factorization.",
+        "How the linear systems of steps are solved. Exact steps are always solved by "
+        "factorization.",
     ]
 
 
@@ -52,10 +84,10 @@ class ShapeOptions(StepOptions, total=False):
         float | None, "How far that flow goes, length². Default: 5e-3 of the area."
     ]
     metric: Annotated[
-        Literal["surface", "base"],
-        'The metric in which "m3" flows: that of the mesh or that of its base. With a flat base a '
-        'height field is an image. Then "surface" gives its spectral ATV, "base" its spectral TV '
-        "(Brokman et al. 2024, Sec. 9.3).",
+        Annotated[Literal["surface"], "that of the mesh."]
+        | Annotated[Literal["base"], "that of its base."],
+        'The metric in which "m3" flows. With a flat base a height field is an image. Then '
+        '"surface" gives its spectral ATV, "base" its spectral TV (Brokman et al. 2024, Sec. 9.3).',
     ]
 
 

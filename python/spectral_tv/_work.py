@@ -2,15 +2,19 @@
 
 import functools
 import inspect
+import re
 import textwrap
-from collections.abc import Callable
-from typing import Any, Literal, ParamSpec, TypeVar, get_args, get_origin, get_type_hints
+from collections.abc import Callable, Mapping
+from types import NoneType, UnionType
+from typing import Annotated, Any, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from spectral_tv._native import Job
 from spectral_tv._options import DEFAULTS
 
 # Of docstrings.
 WIDTH, MARGIN = 100, " " * 8
+# A line that stands for the entry of a parameter.
+PLACE = re.compile(r"^    \{(\w+)\}$", re.MULTILINE)
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -82,9 +86,16 @@ def _shown(function: Callable[..., Any]) -> inspect.Signature:
 
 
 def _documentation(function: Callable[..., Any]) -> str:
-    """The function's own, with an entry for every option."""
-    text, options = function.__doc__ or "", _options_of(function)
-    return text if options is None else text.replace("    {options}", documented(options))
+    """The function's own, with entries in place of the names of parameters in braces."""
+    parameters, options = inspect.signature(function).parameters, _options_of(function)
+
+    def entries(place: re.Match[str]) -> str:
+        name = place[1]
+        if options is not None and name == "options":
+            return documented(get_type_hints(options, include_extras=True))
+        return documented({name: parameters[name].annotation})
+
+    return PLACE.sub(entries, function.__doc__ or "")
 
 
 def _tell(function: Any, shown: inspect.Signature, text: str) -> None:
@@ -93,20 +104,37 @@ def _tell(function: Any, shown: inspect.Signature, text: str) -> None:
     function.__doc__ = text
 
 
-def documented(options: type) -> str:
-    """The entries of options under Parameters, by their annotations: type, text, and kind."""
-    entries = []
-    for name, hint in get_type_hints(options, include_extras=True).items():
-        annotation, text, *kind = get_args(hint)
-        entries.append(f"    {name} : {_kind(annotation, *kind)}")
-        entries.append(textwrap.fill(text, WIDTH, initial_indent=MARGIN, subsequent_indent=MARGIN))
-    return "\n".join(entries)
+def documented(hints: Mapping[str, Any]) -> str:
+    """The entries of parameters in a docstring, by their annotations."""
+    return "\n".join(line for name, hint in hints.items() for line in _entry(name, hint))
 
 
-def _kind(annotation: Any, told: str = "") -> str:
-    """What a value is, as an entry has it."""
-    if get_origin(annotation) is Literal:
-        return "{" + ", ".join(f'"{word}"' for word in get_args(annotation)) + "}"
-    if isinstance(annotation, type):
-        return annotation.__name__
-    return f"{told or get_args(annotation)[0].__name__}, optional"
+def _entry(name: str, hint: Any) -> list[str]:
+    """The lines of one: what it is, its text, and the text of each choice."""
+    members, is_optional = _members(hint)
+    texts, kinds = [], []
+    if len(members) == 1 and get_origin(members[0]) is Annotated:
+        annotation, text, *kinds = get_args(members[0])
+        members, can_be_none = _members(annotation)
+        is_optional |= can_be_none
+        texts.append(text)
+    choices = {}
+    for literal, text in (get_args(each) for each in members if get_origin(each) is Annotated):
+        (word,) = get_args(literal)
+        choices[f'"{word}"'] = text
+    if choices:
+        kinds = ["{" + ", ".join(choices) + "}"]
+    texts += [f"{word}: {text}" for word, text in choices.items()]
+    kind = kinds[0] if kinds else members[0].__name__
+    filled = (
+        textwrap.fill(each, WIDTH, initial_indent=MARGIN, subsequent_indent=MARGIN)
+        for each in texts
+    )
+    return [f"    {name} : {kind}{', optional' if is_optional else ''}", *filled]
+
+
+def _members(annotation: Any) -> tuple[list[Any], bool]:
+    """Those of a union, or the type itself, but None; and whether None is among them."""
+    is_union = get_origin(annotation) in (Union, UnionType)
+    members = get_args(annotation) if is_union else (annotation,)
+    return [each for each in members if each is not NoneType], NoneType in members

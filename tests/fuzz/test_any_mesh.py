@@ -15,10 +15,10 @@ from patience import result
 # Some meshes are bad on purpose.
 pytestmark = pytest.mark.filterwarnings("ignore::spectral_tv.MeshWarning")
 
-METHODS = ["m1", "m2", "m3", "naive", "heat", "lb", "displacement"]
+METHODS = list(spectral_tv.METHODS)
 SCHEMES = ["extrapolated", "lagged", "exact"]
 SOLVERS = ["auto", "cholesky", "multigrid"]
-EXACT = ["m1", "m3", "naive"]
+EXACT = [name for name, facts in spectral_tv.METHODS.items() if facts.has_exact_steps]
 
 
 def made(vertices, triangles):

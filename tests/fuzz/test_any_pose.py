@@ -11,7 +11,7 @@ from patience import result
 from test_any_mesh import EXACT, METHODS, SCHEMES, SOLVERS, made
 from test_any_value import MESH, NUMBERS, refusable
 
-STEPPED = [name for name in METHODS if name not in ("lb", "displacement")]
+STEPPED = [name for name, facts in spectral_tv.METHODS.items() if facts.takes_steps]
 
 
 @given(

@@ -7,7 +7,7 @@ import pytest
 import spectral_tv
 from shapes import bumpy_sphere, dumbbell, ends
 
-METHODS = ["naive", "m1", "m2", "m3", "heat", "lb", "displacement"]
+METHODS = list(spectral_tv.METHODS)
 SIZES_AWAY = [1e3, 1e5, 1e7]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import tomllib
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -97,7 +98,7 @@ def test_everything_public_is_documented():
             assert f"{name}[" in spectral_tv.__doc__
             continue
         assert item.__doc__, name
-        assert "{options}" not in item.__doc__, name
+        assert not re.search(r"^ *\{\w+\}$", item.__doc__, re.MULTILINE), name
         if is_dataclass(item):
             for part in fields(item):
                 assert f"{part.name} : " in item.__doc__ or not part.repr, part.name
@@ -116,6 +117,26 @@ def test_signatures_spell_out_options_with_the_defaults_of_the_library():
     assert [*stepped][-3:] == ["scheme", "tolerance", "solver"]
     with pytest.raises(TypeError, match="unexpected keyword argument 'stepz'"):
         spectral_tv.decompose(spectral_tv.Mesh(*icosphere(1)), stepz=3)
+
+
+def test_choices_are_documented_by_the_names_that_the_library_knows():
+    mesh = spectral_tv.Mesh(*icosphere(1))
+    takers = {
+        "method": lambda **options: spectral_tv.decompose(mesh, **options),
+        "scheme": lambda **options: spectral_tv.decompose(mesh, **options),
+        "solver": lambda **options: spectral_tv.decompose(mesh, **options),
+        "operator": lambda **options: spectral_tv.flow(mesh, mesh.vertices, [0, 1], **options),
+        "algorithm": lambda **options: spectral_tv.deform(mesh, [0], [[0, 0, 0]], **options),
+    }
+    text = "".join(each.__doc__ for each in vars(spectral_tv).values() if inspect.isfunction(each))
+    for name, take in takers.items():
+        with pytest.raises(spectral_tv.MeshError) as refused:
+            take(**{name: "magic"})
+        known = re.findall(r'"(\w+)"', str(refused.value))[:-1]
+        assert f"{name} : {{" + ", ".join(f'"{each}"' for each in known) + "}\n" in text
+    stepped = [name for name, facts in spectral_tv.METHODS.items() if facts.takes_steps]
+    told = re.search(r"method : (.*)", spectral_tv.accuracy.__doc__)[1]
+    assert set(re.findall(r'"(\w+)"', told)) == set(stepped)
 
 
 def test_options_of_other_functions_are_refused():

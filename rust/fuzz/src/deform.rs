@@ -2,9 +2,9 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use ndarray::Array2;
+use spectral_tv::Named;
 use spectral_tv::deformation::{Algorithm, Constraints, Deformation, Deformer, Settings, deform};
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::monitor::Monitor;
 use spectral_tv::operators::positions;
 
 use crate::number::{number, numbers, point, tolerance};
@@ -87,14 +87,10 @@ pub struct Deform {
 }
 
 fn settings(input: &mut Unstructured) -> Result<Settings> {
-    let algorithm = *input.choose(&[
-        Algorithm::Convex,
-        Algorithm::Convex,
-        Algorithm::Paper,
-        Algorithm::Harmonic,
-        Algorithm::Biharmonic,
-        Algorithm::AsRigidAsPossible,
-    ])?;
+    let algorithm = match input.ratio(1, 4)? {
+        true => Algorithm::Convex,
+        false => input.choose(Algorithm::NAMES)?.0,
+    };
     Ok(Settings {
         algorithm,
         softness: softness(input, algorithm == Algorithm::Convex)?,
@@ -115,8 +111,7 @@ impl Deform {
             return;
         };
         let targets = self.pulls.positions(mesh, 1.0);
-        let (settings, monitor) = (self.settings, Monitor::new());
-        let outcome = deform(mesh, constraints, &targets, settings, monitor.whole());
+        let outcome = deform(mesh, constraints, &targets, self.settings);
         if let Some(bent) = unless_refused(outcome) {
             self.pulls.check(mesh, &targets, &bent);
         }
@@ -135,12 +130,10 @@ pub struct Drag {
 
 impl Drag {
     pub fn run(&self, mesh: &TriangleMesh) {
-        let monitor = Monitor::new();
-        let stage = monitor.whole();
         let Some(constraints) = self.pulls.constraints(mesh) else {
             return;
         };
-        let deformer = Deformer::new(mesh, constraints, self.softness, stage);
+        let deformer = Deformer::new(mesh, constraints, self.softness);
         let Some(mut deformer) = unless_refused(deformer) else {
             return;
         };
@@ -151,7 +144,7 @@ impl Drag {
             }
         }
         let sequence = [0.5, 1.0, 0.0].map(|share| self.pulls.positions(mesh, share));
-        let outcome = deformer.solve_sequence(&sequence, 1e-2, stage);
+        let outcome = deformer.solve_sequence(&sequence, 1e-2);
         for (targets, bent) in sequence
             .iter()
             .zip(unless_refused(outcome).unwrap_or_default())

@@ -8,7 +8,6 @@ use spectral_tv::flow::{
     conformal_mean_curvature_flow,
 };
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::monitor::Monitor;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 
@@ -35,9 +34,7 @@ pub struct Flow {
 
 impl Flow {
     pub fn run(&self, mesh: &TriangleMesh) {
-        let monitor = Monitor::new();
-        let stage = monitor.whole();
-        let operators = unless_refused(Discretization::new(mesh, stage)).expect("of any mesh");
+        let operators = unless_refused(Discretization::new(mesh)).expect("of any mesh");
         let dimensions = (usize::from(self.channels % 5), mesh.vertex_count());
         let mut filling = self.values.iter().copied().cycle();
         let values = Array2::from_shape_simple_fn(dimensions, || filling.next().unwrap_or(1.0));
@@ -45,7 +42,7 @@ impl Flow {
             0 => Some(Box::new(Heat)),
             1 => unless_refused(ConformalLaplace::new(mesh, &operators, 3))
                 .map(|law| Box::new(law) as Box<dyn Law>),
-            _ => unless_refused(TotalVariation::starting_at(&operators, values.view()))
+            _ => unless_refused(TotalVariation::default().starting_at(&operators, values.view()))
                 .map(|law| Box::new(law) as Box<dyn Law>),
         };
         // The conformal law is for positions.
@@ -58,9 +55,7 @@ impl Flow {
             1.0
         };
         let times: Vec<f64> = self.times.iter().map(|time| scale * time).collect();
-        let outcome = self
-            .stepping
-            .run(&operators, &*law, values.clone(), &times, stage);
+        let outcome = self.stepping.run(&operators, &*law, values.clone(), &times);
         let Some(flow) = unless_refused(outcome) else {
             return;
         };
@@ -98,13 +93,11 @@ pub struct ConformalFlow {
 
 impl ConformalFlow {
     pub fn run(&self, mesh: &TriangleMesh) {
-        let monitor = Monitor::new();
-        let stage = monitor.whole();
-        let operators = unless_refused(Discretization::new(mesh, stage)).expect("of any mesh");
+        let operators = unless_refused(Discretization::new(mesh)).expect("of any mesh");
         let duration = self.duration * if self.is_relative { mesh.area() } else { 1.0 };
         let steps = usize::from(self.steps % 8);
         let solver = self.solver;
-        let flow = conformal_mean_curvature_flow(mesh, &operators, duration, steps, solver, stage);
+        let flow = conformal_mean_curvature_flow(mesh, &operators, duration, steps, solver);
         if let Some(shape) = unless_refused(flow) {
             assert_finite("shape", &shape);
         }
@@ -119,11 +112,9 @@ pub struct FewEigenpairs {
 
 impl FewEigenpairs {
     pub fn run(&self, mesh: &TriangleMesh) {
-        let monitor = Monitor::new();
-        let stage = monitor.whole();
-        let operators = unless_refused(Discretization::new(mesh, stage)).expect("of any mesh");
+        let operators = unless_refused(Discretization::new(mesh)).expect("of any mesh");
         let count = usize::from(self.count % 50);
-        let Some(pairs) = unless_refused(Eigenpairs::lowest(mesh, &operators, count, stage)) else {
+        let Some(pairs) = unless_refused(Eigenpairs::lowest(mesh, &operators, count)) else {
             return;
         };
         assert_eq!(pairs.eigenvalues.len(), count.min(mesh.vertex_count()));

@@ -3,8 +3,7 @@
 use arbitrary::Arbitrary;
 use ndarray::Array2;
 use spectral_tv::flow::Stepping;
-use spectral_tv::image::{Image, Metric, Settings, decompose_image_with};
-use spectral_tv::monitor::Monitor;
+use spectral_tv::image::{Image, Metric, Settings, decompose_image};
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::number::{number, numbers, times};
@@ -51,7 +50,7 @@ impl Pixels {
             steps: usize::from(self.steps % 7),
             stepping: self.stepping,
         };
-        let outcome = decompose_image_with(&image, &settings, Monitor::new().whole());
+        let outcome = decompose_image(&image, &settings);
         let Some((flow, areas)) = unless_refused(outcome) else {
             return;
         };

@@ -6,9 +6,8 @@ use spectral_tv::Named;
 use spectral_tv::flow::{Scheme, Stepping};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{
-    AccuracyRequest, Exaggeration, Method, Metric, Settings, accuracy, caricature, decompose_with,
+    AccuracyRequest, Exaggeration, Method, Metric, Settings, accuracy, caricature, decompose,
 };
-use spectral_tv::monitor::Monitor;
 use spectral_tv::operators::positions;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::even_edges;
@@ -32,8 +31,7 @@ pub struct Decompose {
 impl Decompose {
     pub fn run(&self, mesh: &TriangleMesh) {
         let settings = self.recipe.settings(mesh);
-        let Some(split) = unless_refused(decompose_with(mesh, &settings, Monitor::new().whole()))
-        else {
+        let Some(split) = unless_refused(decompose(mesh, &settings)) else {
             return;
         };
         let components = split.component_times().len();
@@ -89,10 +87,8 @@ impl Caricature {
             gain: filter(3, 3.0),
         };
         let settings = self.recipe.settings(mesh);
-        let stage = Monitor::new();
         let meshes = [mesh, mesh];
-        let Some(shapes) = unless_refused(caricature(&meshes, &settings, &filter, stage.whole()))
-        else {
+        let Some(shapes) = unless_refused(caricature(&meshes, &settings, &filter)) else {
             return;
         };
         let [first, second] = &shapes[..] else {
@@ -126,7 +122,7 @@ impl Accuracy {
             bands: usize::from(self.bands % 5),
             refinement: usize::from(self.refinement % 4),
         };
-        let outcome = accuracy(mesh, &request, Monitor::new().whole());
+        let outcome = accuracy(mesh, &request);
         let Some(found) = unless_refused(outcome) else {
             return;
         };

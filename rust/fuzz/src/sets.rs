@@ -4,7 +4,6 @@ use arbitrary::Arbitrary;
 use spectral_tv::eigenset::eigenset_test;
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::decompose;
-use spectral_tv::monitor::Monitor;
 use spectral_tv::segmentation::cosegment;
 
 use crate::scales::Recipe;
@@ -20,14 +19,13 @@ pub struct Cosegment {
 
 impl Cosegment {
     pub fn run(&self, mesh: &TriangleMesh) {
-        let monitor = Monitor::new();
         let plain = Recipe::of_segments();
         let settings = self.recipe.as_ref().unwrap_or(&plain).settings(mesh);
         let Some(split) = unless_refused(decompose(mesh, &settings)) else {
             return;
         };
         let segments = usize::from(self.segments % 16);
-        let outcome = cosegment(&[&split, &split], segments, self.seed, monitor.whole());
+        let outcome = cosegment(&[&split, &split], segments, self.seed);
         let Some(labels) = unless_refused(outcome) else {
             return;
         };
@@ -49,7 +47,7 @@ impl Set {
     pub fn run(&self, mesh: &TriangleMesh) {
         let is_member = |v: usize| self.members >> (v % 64) & 1 == 1;
         let set: Vec<bool> = (0..mesh.vertex_count()).map(is_member).collect();
-        let Some(test) = unless_refused(eigenset_test(mesh, &set, Monitor::new().whole())) else {
+        let Some(test) = unless_refused(eigenset_test(mesh, &set)) else {
             return;
         };
         assert_finite("values", &test.values);

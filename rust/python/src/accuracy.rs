@@ -32,7 +32,7 @@ pub fn start_accuracy(
         refinement,
     };
     let mesh = Arc::clone(&mesh.inner);
-    let work = move |stage: Stage| method::accuracy(&mesh, &request, stage);
+    let work = move |stage: Stage| method::accuracy_with(&mesh, &request, stage);
     Job::start(work, |py, found| {
         let steps = found.steps.iter().map(|&count| count as i64);
         let mut fields = Fields::new(py)

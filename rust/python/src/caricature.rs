@@ -34,7 +34,7 @@ pub fn start_caricature(
         .iter()
         .map(|mesh| Arc::clone(&mesh.get().inner))
         .collect();
-    let work = move |stage: Stage| method::caricature(&meshes, &settings, &filter, stage);
+    let work = move |stage: Stage| method::caricature_with(&meshes, &settings, &filter, stage);
     Job::start(work, |py, shapes| {
         let arrays = shapes
             .iter()

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use spectral_tv::deformation::{self, Algorithm, Constraints, Settings};
+use spectral_tv::deformation::{self, Algorithm, Constraints, Settings, deform_with};
 use spectral_tv::memory::needs;
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::monitor::Stage;
@@ -119,7 +119,6 @@ pub fn start_deform(
     let targets = arrays::positions("targets", targets)?;
     let shape = Arc::new(Shape::new(mesh, &constraints));
     let surface = Arc::clone(&shape.mesh);
-    let work =
-        move |stage: Stage| deformation::deform(&surface, constraints, &targets, settings, stage);
+    let work = move |stage: Stage| deform_with(&surface, constraints, &targets, settings, stage);
     Job::start(work, move |py, solution| shape.deformed(py, solution))
 }

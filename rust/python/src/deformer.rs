@@ -168,7 +168,7 @@ impl Deformer {
     ) -> Result<Job, Failure> {
         let targets = arrays::positions("targets", targets)?;
         let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
-        let work = move |stage: Stage| take(stage)?.get().solve(&targets, tolerance, stage);
+        let work = move |stage: Stage| take(stage)?.get().solve_with(&targets, tolerance, stage);
         Job::start(work, move |py, solution| shape.deformed(py, solution))
     }
 
@@ -186,7 +186,7 @@ impl Deformer {
         let work = move |stage: Stage| {
             take(stage)?
                 .get()
-                .solve_sequence(&sequence, tolerance, stage)
+                .solve_sequence_with(&sequence, tolerance, stage)
         };
         Job::start(work, move |py, solutions| {
             let deformed = solutions
@@ -205,25 +205,22 @@ impl Deformer {
     }
 }
 
-/// The last displacement, and whether there is none yet.
-type State = (Array2<f64>, bool);
-
 impl Deformer {
     /// One that goes on from a state, or from rest.
     fn with(
         mesh: Bound<'_, Mesh>,
         handles: Handles,
         softness: f64,
-        state: Option<State>,
+        state: Option<Array2<f64>>,
     ) -> Result<Self, Failure> {
         let py = mesh.py();
         let constraints = handles.constraints(py, mesh.get())?;
         let shape = Arc::new(Shape::new(mesh.get(), &constraints));
         let surface = &mesh.get().inner;
         let inner = guarded(py, |stage| {
-            let mut inner = deformation::Deformer::new(surface, constraints, softness, stage)?;
-            if let Some((displacement, is_at_rest)) = state {
-                inner.set_state(displacement, is_at_rest)?;
+            let mut inner = deformation::Deformer::new_with(surface, constraints, softness, stage)?;
+            if let Some(displacement) = state {
+                inner.set_state(displacement)?;
             }
             Ok(inner)
         })?;
@@ -236,16 +233,14 @@ impl Deformer {
         })
     }
 
-    /// Where it is, once the work on it has ended.
-    fn state(&self, py: Python<'_>) -> Result<State, Failure> {
+    /// The last displacement, once the work on it has ended; `None` at rest.
+    fn state(&self, py: Python<'_>) -> Result<Option<Array2<f64>>, Failure> {
         let deformer = self.inner.take(py)?;
         guarded(py, |stage| {
-            let deformer = deformer.get();
-            let (displacement, is_at_rest) = deformer.state();
-            let vertices = displacement.ncols() as u64;
+            let vertices = self.mesh.get().inner.vertex_count() as u64;
             let what = "a copy of a deformer's state";
             stage.claim(needs::functions(3, vertices), what, "free some memory")?;
-            Ok((displacement.clone(), is_at_rest))
+            Ok(deformer.get().state().cloned())
         })
     }
 }
@@ -254,7 +249,7 @@ impl Pickled for Deformer {
     const NAME: &'static str = "Deformer";
 
     fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
-        let (displacement, is_at_rest) = self.state(parts.py())?;
+        let state = self.state(parts.py())?;
         parts.value("mesh", &self.mesh)?;
         parts.list("indices", &self.handles.indices)?;
         match &self.handles.weights {
@@ -262,8 +257,10 @@ impl Pickled for Deformer {
             None => parts.value("weights", None::<()>)?,
         }
         parts.value("softness", self.softness)?;
-        parts.matrix("displacement", displacement.view())?;
-        parts.value("is_at_rest", is_at_rest)
+        parts.value("is_at_rest", state.is_none())?;
+        let vertices = self.mesh.get().inner.vertex_count();
+        let displacement = state.unwrap_or_else(|| Array2::zeros((3, vertices)));
+        parts.matrix("displacement", displacement.view())
     }
 
     fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
@@ -275,12 +272,15 @@ impl Pickled for Deformer {
             indices: parts.indices("indices")?,
             weights,
         };
-        let state = (parts.matrix("displacement")?, parts.value("is_at_rest")?);
+        let state = match parts.value("is_at_rest")? {
+            true => None,
+            false => Some(parts.matrix("displacement")?),
+        };
         let mesh = parts
             .get("mesh")?
             .cast_into::<Mesh>()
             .map_err(PyErr::from)?;
-        Self::with(mesh, handles, parts.value("softness")?, Some(state))
+        Self::with(mesh, handles, parts.value("softness")?, state)
     }
 }
 

@@ -22,8 +22,8 @@ pub fn start_eigenpairs(
 ) -> Result<Job, Failure> {
     let mesh = Arc::clone(&mesh.inner);
     let work = move |stage: Stage| {
-        let operators = Discretization::new(&mesh, stage)?;
-        Eigenpairs::lowest(&mesh, &operators, count, stage)
+        let operators = Discretization::new_with(&mesh, stage)?;
+        Eigenpairs::lowest_with(&mesh, &operators, count, stage)
     };
     Job::start(work, |py, pairs| {
         let functions = arrays::per_vertex(py, pairs.eigenfunctions.view())?;

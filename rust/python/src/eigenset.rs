@@ -16,7 +16,7 @@ use crate::results::Fields;
 pub fn start_eigenset_test(mesh: &Mesh, members: &Bound<'_, PyAny>) -> Result<Job, Failure> {
     let set = arrays::set("members", members, mesh.inner.vertex_count())?;
     let mesh = Arc::clone(&mesh.inner);
-    let work = move |stage: Stage| eigenset::eigenset_test(&mesh, &set, stage);
+    let work = move |stage: Stage| eigenset::eigenset_test_with(&mesh, &set, stage);
     Job::start(work, |py, test| {
         let fields = Fields::new(py)
             .with("area", test.area)?

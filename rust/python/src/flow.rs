@@ -118,7 +118,7 @@ impl Flow {
     fn spectrum<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         let spectrum = guarded(py, |stage| {
             claim_functions(&self.transform, stage)?;
-            self.transform.spectrum(&self.masses, stage)
+            self.transform.spectrum_with(&self.masses, stage)
         });
         Ok(spectrum?.into_pyarray(py))
     }

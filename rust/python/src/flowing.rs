@@ -6,7 +6,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{Operator, conformal_mean_curvature_flow, flow_with};
+use spectral_tv::flow::{Operator, conformal_mean_curvature_flow_with, flow_with};
 use spectral_tv::monitor::Stage;
 use spectral_tv::operators;
 use spectral_tv::solver::Solver;
@@ -32,7 +32,10 @@ pub fn start_flow(
     let times = arrays::list("times", times)?;
     let stepping = stepping(options)?;
     let mesh = Arc::clone(&mesh.inner);
-    let work = move |stage: Stage| flow_with(&mesh, values, &times, operator, stepping, stage);
+    let work = move |stage: Stage| {
+        let flow = flow_with(&mesh, values, &times, operator, stepping, stage)?;
+        Ok((flow, operators::invertible_masses(mesh.vertex_areas())))
+    };
     Job::start(work, move |py, (trajectory, masses)| {
         let layout = Layout {
             places: vec![trajectory.vertex_count()],
@@ -52,8 +55,8 @@ pub fn start_conformal_flow(
 ) -> Result<Job, Failure> {
     let mesh = Arc::clone(&mesh.inner);
     let work = move |stage: Stage| {
-        let operators = Discretization::new(&mesh, stage)?;
-        conformal_mean_curvature_flow(&mesh, &operators, time, steps, solver, stage)
+        let operators = Discretization::new_with(&mesh, stage)?;
+        conformal_mean_curvature_flow_with(&mesh, &operators, time, steps, solver, stage)
     };
     Job::start(work, |py, shape| {
         Ok(arrays::per_vertex(py, shape.view())?.into_any())
@@ -86,7 +89,7 @@ pub fn total_variation(
     let (values, _) = arrays::channels("values", values)?;
     let mesh = &mesh.inner;
     guarded(py, |stage| {
-        let operators = Discretization::new(mesh, stage)?;
+        let operators = Discretization::new_with(mesh, stage)?;
         operators.check_values(values.view())?;
         Ok(operators::total_variation(
             operators.gradient(),

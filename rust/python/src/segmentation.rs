@@ -23,7 +23,7 @@ pub fn start_cosegment(
         .iter()
         .map(|decomposition| Arc::clone(&decomposition.get().inner))
         .collect();
-    let work = move |stage: Stage| segmentation::cosegment(&splits, segments, seed, stage);
+    let work = move |stage: Stage| segmentation::cosegment_with(&splits, segments, seed, stage);
     Job::start(work, |py, labels: Vec<Vec<usize>>| {
         let signed = |labels: Vec<usize>| {
             arrays::collected(py, labels.into_iter().map(|label| label as i64))

@@ -12,10 +12,9 @@ use ndarray::{Array1, Array2};
 use spectral_tv::Result;
 use spectral_tv::deformation::{self, Algorithm, Constraints, Deformer};
 use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{Scheme, Stepping, Trajectory};
+use spectral_tv::flow::{Scheme, Stepping, TotalVariation, Trajectory};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{Settings, decompose, graded_times};
-use spectral_tv::monitor::Monitor;
 use spectral_tv::solver::Solver;
 use spectral_tv::spectral::SpectralTransform;
 
@@ -29,7 +28,7 @@ type Work = (&'static str, fn(&TriangleMesh) -> Result<()>);
 
 const WORKS: [Work; 12] = [
     ("mesh", |mesh| {
-        black_box(Discretization::new(mesh, Monitor::new().whole())?);
+        black_box(Discretization::new(mesh)?);
         Ok(())
     }),
     ("m1 cholesky", |mesh| {
@@ -129,14 +128,13 @@ fn exact_shape(mesh: &TriangleMesh) -> Result<()> {
 }
 
 fn exact(mesh: &TriangleMesh, values: Array2<f64>, times: &[f64]) -> Result<()> {
-    let monitor = Monitor::new();
-    let operators = Discretization::new(mesh, monitor.whole())?;
-    let law = spectral_tv::flow::TotalVariation::starting_at(&operators, values.view())?;
+    let operators = Discretization::new(mesh)?;
+    let law = TotalVariation::default().starting_at(&operators, values.view())?;
     let stepping = Stepping {
         scheme: Scheme::Exact,
         ..Stepping::default()
     };
-    black_box(stepping.run(&operators, &law, values, times, monitor.whole())?);
+    black_box(stepping.run(&operators, &law, values, times)?);
     Ok(())
 }
 
@@ -159,22 +157,14 @@ fn deform(mesh: &TriangleMesh) -> Result<()> {
         tolerance: 1e-2,
     };
     let constraints = Constraints::new(mesh, &indices, None)?;
-    let stage = Monitor::new();
-    black_box(deformation::deform(
-        mesh,
-        constraints,
-        &targets,
-        settings,
-        stage.whole(),
-    )?);
+    black_box(deformation::deform(mesh, constraints, &targets, settings)?);
     Ok(())
 }
 
 /// Frames of a drag from rest.
 fn drag(mesh: &TriangleMesh) -> Result<()> {
     let constraints = Constraints::new(mesh, &pull(mesh, 0.0).0, None)?;
-    let monitor = Monitor::new();
-    let mut deformer = Deformer::new(mesh, constraints, 0.0, monitor.whole())?;
+    let mut deformer = Deformer::new(mesh, constraints, 0.0)?;
     for frame in 1..=3 {
         black_box(deformer.drag(&pull(mesh, 0.05 * f64::from(frame)).1)?);
     }
@@ -185,8 +175,7 @@ fn drag(mesh: &TriangleMesh) -> Result<()> {
 fn spectrum_and_filter(mesh: &TriangleMesh) -> Result<()> {
     let times = Settings::m1().default_times(mesh.area(), 32)?;
     let shape = spectral_tv::operators::positions(mesh);
-    let monitor = Monitor::new();
-    let operators = Discretization::new(mesh, monitor.whole())?;
+    let operators = Discretization::new(mesh)?;
     let decay = |k: usize, _: &Array1<f64>| {
         Array2::from_shape_fn(shape.dim(), |(channel, vertex)| {
             let extinction = 1 + (vertex % times.len());
@@ -194,9 +183,9 @@ fn spectrum_and_filter(mesh: &TriangleMesh) -> Result<()> {
         })
     };
     let initial = shape.clone();
-    let flow = Trajectory::sampled(&operators, &times, initial, monitor.whole(), decay)?;
+    let flow = Trajectory::sampled(&operators, &times, initial, decay)?;
     let transform = SpectralTransform::new(flow);
-    black_box(transform.spectrum(mesh.vertex_areas(), monitor.whole())?);
+    black_box(transform.spectrum(mesh.vertex_areas()));
     let gains: Vec<f64> = (1..32).map(|k| f64::from(k) / 31.0).collect();
     black_box(transform.filter(&gains)?);
     for count in [5, 8] {

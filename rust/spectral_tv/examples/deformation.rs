@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 
 use spectral_tv::deformation::{Constraints, Settings, deform};
 use spectral_tv::mesh::TriangleMesh;
-use spectral_tv::monitor::Monitor;
 use spectral_tv::ndarray::Array2;
 
 /// A tube of the radius 1 along x, with `rings` rings of `around` vertices.
@@ -41,9 +40,7 @@ fn bend(rings: usize, around: usize, height: f64) -> spectral_tv::Result<Array2<
         softness: 2.0,
         ..Settings::default()
     };
-    let monitor = Monitor::new();
-    let found = deform(&mesh, constraints, &targets, settings, monitor.whole())?;
-    Ok(found.displacement)
+    Ok(deform(&mesh, constraints, &targets, settings)?.displacement)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

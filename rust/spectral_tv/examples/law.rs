@@ -10,7 +10,6 @@ use spectral_tv::discretization::{Discretization, positions};
 use spectral_tv::flow::{Law, Stepping};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::graded_times;
-use spectral_tv::monitor::Monitor;
 use spectral_tv::spectral::SpectralTransform;
 
 struct Charbonnier {
@@ -46,22 +45,17 @@ fn sheet(size: usize) -> spectral_tv::Result<TriangleMesh> {
 /// The strength of every component of a sheet, and how far all of them together are from it.
 fn run(size: usize, steps: usize) -> spectral_tv::Result<(Vec<f64>, f64)> {
     let mesh = sheet(size)?;
-    let monitor = Monitor::new();
-    let operators = Discretization::new(&mesh, monitor.whole())?;
+    let operators = Discretization::new(&mesh)?;
     let times = graded_times(1e-4 * mesh.area(), 1e-2 * mesh.area(), steps)?;
     let shape = positions(&mesh);
     let law = Charbonnier { steep: 0.5 };
-    let stage = monitor.whole();
-    let flow = Stepping::default().run(&operators, &law, shape.clone(), &times, stage)?;
+    let flow = Stepping::default().run(&operators, &law, shape.clone(), &times)?;
     let transform = SpectralTransform::new(flow);
     let same = transform.filter(&vec![1.0; transform.component_times().len()])?;
     let error = (same - shape)
         .iter()
         .fold(0.0_f64, |most, x| most.max(x.abs()));
-    Ok((
-        transform.spectrum(mesh.vertex_areas(), monitor.whole())?,
-        error,
-    ))
+    Ok((transform.spectrum(mesh.vertex_areas()), error))
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

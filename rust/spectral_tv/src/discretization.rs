@@ -7,7 +7,7 @@ use ndarray::ArrayView2;
 use crate::error::{ArgumentError, Error, Result, unusable_values};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 pub use crate::operators::positions;
 use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern, invertible_masses};
 use crate::solver::{Cholesky, Demand, LinearSolver, Solver, Symbolic};
@@ -33,8 +33,16 @@ impl Discretization {
     /// The operators of `mesh`.
     ///
     /// # Errors
-    /// [`Error::Memory`], [`Error::Cancelled`].
-    pub fn new(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
+    /// [`Error::Memory`].
+    pub fn new(mesh: &TriangleMesh) -> Result<Self> {
+        Self::new_with(mesh, Monitor::new().whole())
+    }
+
+    /// [`Self::new`], watched: `stage` cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::new`], or [`Error::Cancelled`].
+    pub fn new_with(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
         stage.require(
             needs::operators(needs::Size::of(mesh)),
             &format!("working on {} vertices", mesh.vertex_count()),
@@ -180,18 +188,17 @@ impl Discretization {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Monitor;
 
     #[test]
     fn preparations_end_when_cancelled() {
         let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
         let mesh = TriangleMesh::new(vertices, &[[0, 1, 2]]).unwrap();
+        let operators = Discretization::new(&mesh).unwrap();
         let monitor = Monitor::new();
-        let operators = Discretization::new(&mesh, monitor.whole()).unwrap();
         monitor.cancel();
         let outcome = operators.prepare_edges(monitor.whole());
         assert!(matches!(outcome, Err(Error::Cancelled)));
-        let outcome = Discretization::new(&mesh, monitor.whole());
+        let outcome = Discretization::new_with(&mesh, monitor.whole());
         assert!(matches!(outcome, Err(Error::Cancelled)));
     }
 }

@@ -39,8 +39,33 @@ pub(crate) fn quoted(names: &[&str], link: &str) -> String {
     }
 }
 
-/// An enum whose variants have names: each stands with its name, for an argument of that name.
+/// An enum whose variants have names: each stands with its name, for an argument of that name, and
+/// with what a function gives for it, if there is one.
 macro_rules! named {
+    (
+        $(#[$meta:meta])*
+        pub enum $type:ident: $argument:literal {
+            $($(#[$variant_meta:meta])* $variant:ident = $name:literal => $value:expr,)+
+        }
+        $(#[$function_meta:meta])*
+        $visibility:vis fn $function:ident(self $(, $given:ident: $kind:ty)*) -> $returned:ty;
+    ) => {
+        crate::named::named! {
+            $(#[$meta])*
+            pub enum $type: $argument {
+                $($(#[$variant_meta])* $variant = $name,)+
+            }
+        }
+
+        impl $type {
+            $(#[$function_meta])*
+            $visibility fn $function(self $(, $given: $kind)*) -> $returned {
+                match self {
+                    $(Self::$variant => $value,)+
+                }
+            }
+        }
+    };
     (
         $(#[$meta:meta])*
         pub enum $type:ident: $argument:literal {

@@ -62,15 +62,33 @@ fn imported(module: &str, modules: &Modules, hands_on: bool) -> Vec<String> {
         let line = statement[..start].rsplit('\n').next().unwrap().trim();
         (line.starts_with("pub") == hands_on).then(|| &statement[start + 4..])
     });
-    let full = |path: String| match path.split_once("::") {
+    declarations
+        .flat_map(expanded)
+        .map(|path| full(module, &path))
+        .collect()
+}
+
+/// Full paths that a module names where it uses them, without an import.
+fn named_in_place(module: &str, text: &str) -> Vec<String> {
+    let starts = ["crate::", "super::"].into_iter();
+    let places = starts.flat_map(|start| text.match_indices(start));
+    let is_of_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let paths = places.map(|(place, _)| text[place..].split(|c| !is_of_path(c)).next().unwrap());
+    // Those that end in colons are imports of several.
+    let paths = paths.filter(|path| !path.ends_with(':'));
+    paths.map(|path| full(module, path)).collect()
+}
+
+/// The path from the crate's root of what `module` calls `path`.
+fn full(module: &str, path: &str) -> String {
+    match path.split_once("::") {
         Some(("crate", rest)) => rest.to_string(),
         Some(("super", rest)) => {
             let parent = module.rsplit_once("::").map_or("", |parts| parts.0);
             format!("{parent}::{rest}").trim_start_matches("::").into()
         }
         _ => format!("{module}::{path}"),
-    };
-    declarations.flat_map(expanded).map(full).collect()
+    }
 }
 
 /// The module whose file has what a path names, also where others hand it on.
@@ -99,6 +117,7 @@ fn no_file_imports_one_that_imports_it() {
     assert!(modules.len() > 100);
     let imports = |module: &String| -> BTreeSet<String> {
         let paths = imported(module, &modules, false).into_iter();
+        let paths = paths.chain(named_in_place(module, &modules[module]));
         let homes = paths.filter_map(|path| home(&path, &modules));
         homes.filter(|home| home != module).collect()
     };
@@ -115,6 +134,12 @@ fn no_file_imports_one_that_imports_it() {
         }
     }
     assert!(rest.is_empty(), "these import one another: {rest:#?}");
+}
+
+#[test]
+fn paths_are_found_where_they_are_used() {
+    let text = "use crate::a::{b, c};\nlet d = super::e::F::new(crate::g::h);";
+    assert_eq!(named_in_place("x::y", text), ["g::h", "x::e::F::new"]);
 }
 
 #[test]

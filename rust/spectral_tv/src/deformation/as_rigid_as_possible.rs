@@ -7,31 +7,27 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use ndarray::Array2;
 
-use crate::deformation::problem::Problem;
+use crate::deformation::problem::{Problem, Task};
 use crate::deformation::quadratic::{Quadratic, Stiffness, dirichlet_springs, harmonic};
 use crate::deformation::rotation::nearest_rotation;
 use crate::error::Result;
-use crate::monitor::Stage;
-use crate::operators::element_stiffness;
+use crate::operators::{element_stiffness, positions};
 
 const MOST_ITERATIONS: usize = 200;
 
 /// Alternates between the rotations that fit the neighbourhood of every vertex best and the
 /// positions that fit these rotations best, from the harmonic deformation, until no vertex moves
-/// by more than `tolerance` of the spread of the displacements. Returns d (3, V) and the number
+/// by more than the tolerance of the spread of the displacements. Returns d (3, V) and the number
 /// of iterations.
-pub(super) fn as_rigid_as_possible(
-    problem: Problem,
-    positions: &Array2<f64>,
-    tolerance: f64,
-    stage: Stage,
-) -> Result<(Array2<f64>, usize)> {
+pub(super) fn as_rigid_as_possible(task: Task) -> Result<(Array2<f64>, usize)> {
+    let (problem, stage) = (task.problem, task.stage);
+    let positions = &positions(task.mesh);
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
     let stiffness = Stiffness::membrane(&problem, &weights);
     let curvature = stiffness.apply(positions);
     let springs = dirichlet_springs(&problem);
     let mut quadratic = Quadratic::new(problem, stiffness, springs, stage)?;
-    let mut state = harmonic(problem, stage)?;
+    let (mut state, _) = harmonic(task)?;
     let mut rotations = vec![Rotation3::identity(); positions.ncols()];
     for iteration in 0..MOST_ITERATIONS {
         stage.report(iteration as f64 / MOST_ITERATIONS as f64)?;
@@ -44,7 +40,7 @@ pub(super) fn as_rigid_as_possible(
         let moved = (&state - &last)
             .iter()
             .fold(0.0, |a: f64, b| a.max(b.abs()));
-        if moved <= tolerance * problem.targets.spread() {
+        if moved <= task.tolerance * problem.targets.spread() {
             return Ok((state, iteration + 1));
         }
     }

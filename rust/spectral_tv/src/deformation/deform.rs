@@ -2,41 +2,21 @@
 
 use ndarray::Array2;
 
-use crate::deformation::as_rigid_as_possible::as_rigid_as_possible;
+use crate::deformation::algorithm::Algorithm;
 use crate::deformation::constraints::Constraints;
 use crate::deformation::deformer::{Deformer, require};
 use crate::deformation::outcome::{Deformation, carried};
-use crate::deformation::problem::Problem;
-use crate::deformation::quadratic::{biharmonic, harmonic};
-use crate::deformation::reweighted::reweighted;
+use crate::deformation::problem::{Problem, Task};
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{PrimalDualNewton, Variation, check_tolerance};
-use crate::monitor::Stage;
-use crate::named::named;
-use crate::operators::{positions, total_variation};
+use crate::monitor::{Monitor, Stage};
+use crate::operators::total_variation;
 
 /// ε of the dual field that certifies a displacement, relative to its mean gradient.
 const CERTIFICATE_SMOOTHING: f64 = 1e-3;
-
-named! {
-    /// How a deformation is found.
-    pub enum Algorithm: "algorithm" {
-        /// The convex problem itself: least TV(d), to a duality gap.
-        #[default]
-        Convex = "convex",
-        /// Algorithm 1 of Brokman et al. 2024: reweighted least squares of the subgradient.
-        Paper = "paper",
-        /// Least ∫|∇d|²: linear.
-        Harmonic = "harmonic",
-        /// Least ∫|Δd|²: linear, smooth at the handles.
-        Biharmonic = "biharmonic",
-        /// As-rigid-as-possible surface modeling (Sorkine and Alexa 2007).
-        AsRigidAsPossible = "arap",
-    }
-}
 
 /// How to deform.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,11 +42,40 @@ impl Default for Settings {
 
 /// Takes the constrained vertices of `mesh` to `targets` (K positions).
 ///
+/// ```
+/// use spectral_tv::deformation::{Constraints, Settings, deform};
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// // Vertices 0 and 1 stay, vertex 3 moves up; vertex 2 follows.
+/// let targets = [[0., 0., 0.], [1., 0., 0.], [0.3, 0.3, 2.]];
+/// let constraints = Constraints::new(&mesh, &[0, 1, 3], None)?;
+/// let found = deform(&mesh, constraints, &targets, Settings::default())?;
+/// assert!((found.displacement[[2, 3]] - 1.0).abs() < 1e-9);
+/// assert!(found.gap < 1e-3);
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
 /// If the targets do not fit the constraints (their number; finite; no two for one vertex), the
 /// tolerance is not in (0, 1), softness is negative or goes with another algorithm than the
-/// convex one, a system cannot be solved; or [`crate::Error::Cancelled`].
+/// convex one, or a system cannot be solved.
 pub fn deform(
+    mesh: &TriangleMesh,
+    constraints: Constraints,
+    targets: &[[f64; 3]],
+    settings: Settings,
+) -> Result<Deformation> {
+    deform_with(mesh, constraints, targets, settings, Monitor::new().whole())
+}
+
+/// [`deform`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`deform`], or [`crate::Error::Cancelled`].
+pub fn deform_with(
     mesh: &TriangleMesh,
     constraints: Constraints,
     targets: &[[f64; 3]],
@@ -79,10 +88,10 @@ pub fn deform(
         tolerance,
     } = settings;
     check_tolerance(tolerance)?;
-    if algorithm == Algorithm::Convex {
-        let mut deformer = Deformer::new(mesh, constraints, softness, stage)?;
-        return deformer.solve(targets, tolerance, stage);
-    }
+    let Some(comparison) = algorithm.comparison() else {
+        let mut deformer = Deformer::new_with(mesh, constraints, softness, stage)?;
+        return deformer.solve_with(targets, tolerance, stage);
+    };
     if softness != 0.0 {
         return Err(ArgumentError::inapplicable(
             "softness",
@@ -93,7 +102,7 @@ pub fn deform(
     let needed = needs::deformation_for_comparison(needs::Size::of(mesh));
     require(needed, mesh, stage)?;
     let targets = constraints.targets(targets)?;
-    let operators = Discretization::new(mesh, stage)?;
+    let operators = Discretization::new_with(mesh, stage)?;
     operators.check_gradients(targets.spread())?;
     let problem = Problem {
         operators: &operators,
@@ -105,14 +114,12 @@ pub fn deform(
     if targets.radius == 0.0 {
         return Ok(carried(&targets));
     }
-    let (mut displacement, iterations) = match algorithm {
-        Algorithm::Harmonic => (harmonic(problem, stage)?, 1),
-        Algorithm::Biharmonic => (biharmonic(problem, stage)?, 1),
-        Algorithm::Paper => reweighted(problem, tolerance, stage)?,
-        Algorithm::Convex | Algorithm::AsRigidAsPossible => {
-            as_rigid_as_possible(problem, &positions(mesh), tolerance, stage)?
-        }
-    };
+    let (mut displacement, iterations) = comparison(Task {
+        mesh,
+        problem,
+        tolerance,
+        stage,
+    })?;
     stage.report(1.0)?;
     let total_variation = total_variation(operators.gradient(), displacement.view());
     let gap = certified_gap(problem, &displacement, stage)?;

@@ -42,6 +42,24 @@ const SMALLER: &str = "take a mesh of fewer vertices";
 ///
 /// The analysis of the systems, the last displacement and its dual field are kept, so that every
 /// solution starts from the last one.
+///
+/// ```
+/// use spectral_tv::deformation::{Constraints, Deformer};
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// let constraints = Constraints::new(&mesh, &[0, 1, 3], None)?;
+/// let mut deformer = Deformer::new(&mesh, constraints, 0.0)?;
+/// let targets = |height: f64| [[0., 0., 0.], [1., 0., 0.], [0.3, 0.3, height]];
+/// for height in [1.1, 1.2, 1.3] {
+///     deformer.drag(&targets(height))?;
+/// }
+/// let found = deformer.solve(&targets(1.3), 1e-3)?;
+/// assert!(found.gap < 1e-3);
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
 pub struct Deformer {
     handles: Handles,
     newton: PrimalDualNewton,
@@ -91,9 +109,16 @@ impl Deformer {
     /// 0 stretches no more than a ring of triangles.
     ///
     /// # Errors
-    /// If softness is negative or not finite, or memory does not suffice;
-    /// [`crate::Error::Cancelled`].
-    pub fn new(
+    /// If softness is negative or not finite, or memory does not suffice.
+    pub fn new(mesh: &TriangleMesh, constraints: Constraints, softness: f64) -> Result<Self> {
+        Self::new_with(mesh, constraints, softness, Monitor::new().whole())
+    }
+
+    /// [`Self::new`], watched: `stage` cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::new`], or [`crate::Error::Cancelled`].
+    pub fn new_with(
         mesh: &TriangleMesh,
         constraints: Constraints,
         softness: f64,
@@ -108,7 +133,7 @@ impl Deformer {
             .into());
         }
         require(needs::deformation(needs::Size::of(mesh)), mesh, stage)?;
-        let operators = Discretization::new(mesh, stage)?;
+        let operators = Discretization::new_with(mesh, stage)?;
         Ok(Self {
             newton: PrimalDualNewton::new(&operators, 3, stage)?,
             state: Array2::zeros((3, mesh.vertex_count())),
@@ -121,17 +146,17 @@ impl Deformer {
         })
     }
 
-    /// The last displacement, (3, V), before floating pieces were carried; and whether there is none
-    /// yet to start from. Another deformer that is given it goes on alike.
-    pub fn state(&self) -> (&Array2<f64>, bool) {
-        (&self.state, self.is_at_rest)
+    /// The last displacement, (3, V), before floating pieces were carried; `None` if there is none
+    /// to start from. Another deformer that is given it goes on alike.
+    pub fn state(&self) -> Option<&Array2<f64>> {
+        (!self.is_at_rest).then_some(&self.state)
     }
 
     /// Goes on from the state of another deformer of the same mesh and constraints.
     ///
     /// # Errors
     /// If it is not (3, V), or a number is not finite, or beyond 1e100.
-    pub fn set_state(&mut self, state: Array2<f64>, is_at_rest: bool) -> Result<()> {
+    pub fn set_state(&mut self, state: Array2<f64>) -> Result<()> {
         if state.dim() != self.state.dim() || unusable_values(state.view()).is_some() {
             return Err(ArgumentError::contradiction(
                 "state",
@@ -143,7 +168,7 @@ impl Deformer {
             )
             .into());
         }
-        (self.state, self.is_at_rest) = (state, is_at_rest);
+        (self.state, self.is_at_rest) = (state, false);
         Ok(())
     }
 
@@ -151,9 +176,17 @@ impl Deformer {
     /// relative to the energy.
     ///
     /// # Errors
-    /// As [`Self::drag`]; for a tolerance not in (0, 1); [`crate::Error::Cancelled`], after which the
-    /// deformer can go on from where it was.
-    pub fn solve(
+    /// As [`Self::drag`]; for a tolerance not in (0, 1).
+    pub fn solve(&mut self, positions: &[[f64; 3]], tolerance: f64) -> Result<Deformation> {
+        self.solve_with(positions, tolerance, Monitor::new().whole())
+    }
+
+    /// [`Self::solve`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`crate::Error::Cancelled`], after which the deformer can go on from
+    /// where it was.
+    pub fn solve_with(
         &mut self,
         positions: &[[f64; 3]],
         tolerance: f64,
@@ -206,13 +239,25 @@ impl Deformer {
         &mut self,
         sequence: &[Vec<[f64; 3]>],
         tolerance: f64,
+    ) -> Result<Vec<Deformation>> {
+        self.solve_sequence_with(sequence, tolerance, Monitor::new().whole())
+    }
+
+    /// [`Self::solve_sequence`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::solve_sequence`]; [`crate::Error::Cancelled`] as [`Self::solve_with`].
+    pub fn solve_sequence_with(
+        &mut self,
+        sequence: &[Vec<[f64; 3]>],
+        tolerance: f64,
         stage: Stage,
     ) -> Result<Vec<Deformation>> {
         self.require(sequence.len(), stage)?;
         let count = sequence.len() as f64;
         let solve = |(index, positions): (usize, &Vec<[f64; 3]>)| {
             let share = stage.stage(index as f64 / count, (index + 1) as f64 / count);
-            self.solve(positions, tolerance, share)
+            self.solve_with(positions, tolerance, share)
         };
         sequence.iter().enumerate().map(solve).collect()
     }

@@ -3,8 +3,9 @@
 //!
 //! The result is the displacement d = S′ − S of least total variation among those that meet the
 //! constraints. [`Deformer`] solves that convex problem; the other algorithms are for comparison. A
-//! new algorithm is a file, a variant of [`Algorithm`] and an arm in `deform`.
+//! new algorithm is a file, and a line in `algorithm`.
 
+mod algorithm;
 mod as_rigid_as_possible;
 mod constraints;
 mod deform;
@@ -18,7 +19,8 @@ mod reweighted;
 mod rotation;
 mod span;
 
+pub use algorithm::Algorithm;
 pub use constraints::Constraints;
-pub use deform::{Algorithm, Settings, deform};
+pub use deform::{Settings, deform, deform_with};
 pub use deformer::Deformer;
 pub use outcome::Deformation;

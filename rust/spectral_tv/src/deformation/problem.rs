@@ -4,7 +4,9 @@ use ndarray::Array2;
 
 use crate::deformation::constraints::Targets;
 use crate::discretization::Discretization;
+use crate::mesh::TriangleMesh;
 use crate::minimization::{Energy, TangentField, Variation, clipping_factors};
+use crate::monitor::Stage;
 
 /// An energy below this, relative to the displacements times the size, is rounding.
 const UNSTRETCHED: f64 = 1e-9;
@@ -18,6 +20,20 @@ pub(super) struct Problem<'a> {
     pub fixed: &'a [bool],
     /// Ψ.
     pub variation: Variation,
+}
+
+/// What an algorithm for comparison is given.
+#[derive(Clone, Copy)]
+pub(super) struct Task<'a> {
+    /// The mesh at rest.
+    pub mesh: &'a TriangleMesh,
+    /// The constraints.
+    pub problem: Problem<'a>,
+    /// The movement of a vertex at which an iteration ends, relative to the spread of the
+    /// displacements asked for.
+    pub tolerance: f64,
+    /// What is told of the progress.
+    pub stage: Stage<'a>,
 }
 
 impl<'a> Problem<'a> {

@@ -3,7 +3,7 @@
 use ndarray::{Array2, ArrayView1};
 use sprs::CsMatI;
 
-use crate::deformation::problem::Problem;
+use crate::deformation::problem::{Problem, Task};
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::{element_stiffness, pin};
@@ -115,39 +115,29 @@ impl<'a> Quadratic<'a> {
     }
 }
 
-/// The displacement of least ∫|∇d|².
-pub(super) fn harmonic(problem: Problem, stage: Stage) -> Result<Array2<f64>> {
+/// The displacement of least ∫|∇d|², in one iteration.
+pub(super) fn harmonic(task: Task) -> Result<(Array2<f64>, usize)> {
+    let problem = &task.problem;
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
-    least(
-        problem,
-        Stiffness::membrane(&problem, &weights),
-        dirichlet_springs(&problem),
-        stage,
-    )
+    let stiffness = Stiffness::membrane(problem, &weights);
+    least(task, stiffness, dirichlet_springs(problem))
 }
 
-/// The displacement of least ∫|Δd|².
-pub(super) fn biharmonic(problem: Problem, stage: Stage) -> Result<Array2<f64>> {
+/// The displacement of least ∫|Δd|², in one iteration.
+pub(super) fn biharmonic(task: Task) -> Result<(Array2<f64>, usize)> {
+    let problem = &task.problem;
     let weights = vec![1.0; problem.operators.gradient().face_areas().len()];
-    let springs = dirichlet_springs(&problem) / problem.operators.area();
-    least(
-        problem,
-        Stiffness::bending(&problem, &weights),
-        springs,
-        stage,
-    )
+    let stiffness = Stiffness::bending(problem, &weights);
+    let springs = dirichlet_springs(problem) / problem.operators.area();
+    least(task, stiffness, springs)
 }
 
-fn least(
-    problem: Problem,
-    stiffness: Stiffness,
-    springs: f64,
-    stage: Stage,
-) -> Result<Array2<f64>> {
-    let mut state = Array2::zeros(problem.targets.displacements.dim());
+/// The least displacement by a stiffness, with springs so strong, in one iteration.
+fn least(task: Task, stiffness: Stiffness, springs: f64) -> Result<(Array2<f64>, usize)> {
+    let mut state = Array2::zeros(task.problem.targets.displacements.dim());
     let forces = state.clone();
-    Quadratic::new(problem, stiffness, springs, stage)?.minimise(&mut state, &forces);
-    Ok(state)
+    Quadratic::new(task.problem, stiffness, springs, task.stage)?.minimise(&mut state, &forces);
+    Ok((state, 1))
 }
 
 /// What makes springs as strong against ∫|∇d|² as they are against TV.

@@ -3,11 +3,10 @@
 
 use ndarray::Array2;
 
-use crate::deformation::problem::Problem;
+use crate::deformation::problem::Task;
 use crate::deformation::quadratic::{Quadratic, Stiffness, harmonic};
 use crate::error::Result;
 use crate::minimization::Variation;
-use crate::monitor::Stage;
 use crate::operators::total_variation;
 
 /// ε relative to the mean |∇d|, as for the flow M1.
@@ -17,19 +16,16 @@ const MOST_ITERATIONS: usize = 60;
 const LEAST_STRETCH: f64 = 1e-14;
 
 /// Repeats d ← argmin ‖M^(−1/2) L(w) d‖², w = 1/√(|∇d|² + ε²) of the last d, until no vertex moves
-/// by more than `tolerance` of the spread of the displacements. Starts from the gradient-based
+/// by more than the tolerance of the spread of the displacements. Starts from the gradient-based
 /// linear deformation (Botsch and Sorkine 2008), which for handles that are not turned is the
 /// harmonic one. Returns d (3, V) and the number of iterations.
-pub(super) fn reweighted(
-    problem: Problem,
-    tolerance: f64,
-    stage: Stage,
-) -> Result<(Array2<f64>, usize)> {
+pub(super) fn reweighted(task: Task) -> Result<(Array2<f64>, usize)> {
+    let (problem, stage) = (task.problem, task.stage);
     let gradient = problem.operators.gradient();
     let area = problem.operators.area();
     let spread = problem.targets.spread();
     let springs = 1.0 / (spread * area.sqrt());
-    let mut state = harmonic(problem, stage)?;
+    let (mut state, _) = harmonic(task)?;
     let forces = Array2::zeros(state.dim());
     for iteration in 0..MOST_ITERATIONS {
         stage.report(iteration as f64 / MOST_ITERATIONS as f64)?;
@@ -45,7 +41,7 @@ pub(super) fn reweighted(
         let moved = (&state - &last)
             .iter()
             .fold(0.0, |a: f64, b| a.max(b.abs()));
-        if moved <= tolerance * spread {
+        if moved <= task.tolerance * spread {
             return Ok((state, iteration + 1));
         }
     }

@@ -10,7 +10,7 @@ use crate::error::{ArgumentError, Result};
 use crate::flow::proximal_flow;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 
 /// Steps of the flow, and how far it goes, in lifetimes of an eigenset.
 const STEPS: usize = 24;
@@ -75,10 +75,31 @@ impl EigensetTest {
 /// Parts of the mesh that are wholly in the set or wholly outside are left out: nothing happens
 /// there.
 ///
+/// ```
+/// use spectral_tv::eigenset::eigenset_test;
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// let found = eigenset_test(&mesh, &[false, false, false, true])?;
+/// assert!(found.eigenvalue() > 0.0);
+/// assert!(found.superset[3]);
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
-/// If there is not one value per vertex, the set has no boundary, memory does not suffice, a system
-/// cannot be solved, or the monitor was cancelled.
-pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<EigensetTest> {
+/// If there is not one value per vertex, the set has no boundary, memory does not suffice, or a
+/// system cannot be solved.
+pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool]) -> Result<EigensetTest> {
+    eigenset_test_with(mesh, set, Monitor::new().whole())
+}
+
+/// [`eigenset_test`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`eigenset_test`], or [`crate::Error::Cancelled`].
+pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<EigensetTest> {
     let areas = mesh.vertex_areas();
     if set.len() != areas.len() {
         return Err(ArgumentError::count(
@@ -113,7 +134,7 @@ pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<
         "take a mesh of fewer vertices",
     )?;
     stage.report(0.0)?;
-    let operators = Discretization::new(mesh, stage)?;
+    let operators = Discretization::new_with(mesh, stage)?;
     let edge = mean_edge(mesh);
     let mut perimeter = Perimeter::new(&operators, edge, stage)?;
     let length = perimeter.of(&set);

@@ -8,4 +8,4 @@ mod decay;
 mod perimeter;
 mod supersets;
 
-pub use criterion::{EigensetTest, eigenset_test};
+pub use criterion::{EigensetTest, eigenset_test, eigenset_test_with};

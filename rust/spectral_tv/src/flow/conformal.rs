@@ -11,7 +11,7 @@ use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
 use crate::flow::times::check_steps;
 use crate::memory::needs;
 use crate::mesh::{TriangleMesh, barycentric_areas};
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::operators::positions;
 use crate::parallel;
 use crate::solver::Solver;
@@ -83,9 +83,40 @@ impl Law for ConformalLaplace {
 /// `duration` (length²) in equal steps, neither rescaled nor recentred, its systems solved by
 /// `solver`; positions (3, V).
 ///
+/// ```
+/// use spectral_tv::discretization::Discretization;
+/// use spectral_tv::flow::{Solver, conformal_mean_curvature_flow};
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// let operators = Discretization::new(&mesh)?;
+/// let time = 5e-3 * mesh.area();
+/// let shape = conformal_mean_curvature_flow(&mesh, &operators, time, 10, Solver::default())?;
+/// assert_eq!(shape.dim(), (3, 4));
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
-/// For a duration that is not positive, no steps, memory that does not suffice, or cancellation.
+/// For a duration that is not positive, no steps, or memory that does not suffice.
 pub fn conformal_mean_curvature_flow(
+    mesh: &TriangleMesh,
+    operators: &Discretization,
+    duration: f64,
+    steps: usize,
+    solver: Solver,
+) -> Result<Array2<f64>> {
+    let monitor = Monitor::new();
+    let stage = monitor.whole();
+    conformal_mean_curvature_flow_with(mesh, operators, duration, steps, solver, stage)
+}
+
+/// [`conformal_mean_curvature_flow`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`conformal_mean_curvature_flow`], or [`crate::Error::Cancelled`].
+pub fn conformal_mean_curvature_flow_with(
     mesh: &TriangleMesh,
     operators: &Discretization,
     duration: f64,

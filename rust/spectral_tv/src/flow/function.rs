@@ -1,13 +1,11 @@
 //! The flow of a function on a mesh.
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
 use crate::discretization::Discretization;
 use crate::error::Result;
-use crate::flow::heat::Heat;
 use crate::flow::law::Law;
 use crate::flow::stepping::Stepping;
-use crate::flow::total_variation::TotalVariation;
 use crate::flow::trajectory::Trajectory;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
@@ -19,25 +17,36 @@ named! {
     pub enum Operator: "operator" {
         /// u_t ∈ −∂NETV(u) (Brokman et al. 2024, Eq. 20), channels coupled.
         #[default]
-        TotalVariation = "tv",
+        TotalVariation = "tv" => {
+            let law = super::total_variation::TotalVariation::default();
+            Ok(Box::new(law.starting_at(operators, start)?))
+        },
         /// u_t = Δu (Eq. 12).
-        Heat = "heat",
+        Heat = "heat" => Ok(Box::new(super::heat::Heat)),
     }
-}
-
-impl Operator {
-    fn law(self, operators: &Discretization, values: &Array2<f64>) -> Result<Box<dyn Law>> {
-        Ok(match self {
-            Self::TotalVariation => {
-                Box::new(TotalVariation::starting_at(operators, values.view())?)
-            }
-            Self::Heat => Box::new(Heat),
-        })
-    }
+    /// The law for a function that is `start`, (C, V), at first.
+    fn law(self, operators: &Discretization, start: ArrayView2<f64>) -> Result<Box<dyn Law>>;
 }
 
 /// Flows a function with the `values` (C, V) on `mesh` through `times`, which increase from 0: in the
 /// unit of the values × length for TV, length² for heat.
+///
+/// ```
+/// use spectral_tv::flow::{Operator, Stepping, flow};
+/// use spectral_tv::ndarray::array;
+/// use spectral_tv::spectral::SpectralTransform;
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// let height = array![[0.0, 0.0, 0.0, 1.0]];
+/// let times = [0.0, 0.01, 0.03, 0.1];
+/// let flow = flow(&mesh, height, &times, Operator::TotalVariation, Stepping::default())?;
+/// assert!(flow.total_variation.is_sorted_by(|now, later| now >= later));
+/// assert_eq!(SpectralTransform::new(flow).component_times(), [0.01, 0.03]);
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`Stepping::run`].
@@ -48,19 +57,11 @@ pub fn flow(
     operator: Operator,
     stepping: Stepping,
 ) -> Result<Trajectory> {
-    flow_with(
-        mesh,
-        values,
-        times,
-        operator,
-        stepping,
-        Monitor::new().whole(),
-    )
-    .map(|(flow, _)| flow)
+    let monitor = Monitor::new();
+    flow_with(mesh, values, times, operator, stepping, monitor.whole())
 }
 
-/// [`flow`], watched: `stage` tells how far it is, and cancels it. Also returns the areas of the
-/// vertices that the flow went by, (V,).
+/// [`flow`], watched: `stage` tells how far it is, and cancels it.
 ///
 /// # Errors
 /// As [`flow`], or [`crate::Error::Cancelled`].
@@ -71,11 +72,10 @@ pub fn flow_with(
     operator: Operator,
     stepping: Stepping,
     stage: Stage,
-) -> Result<(Trajectory, Vec<f64>)> {
+) -> Result<Trajectory> {
     stepping.check()?;
     stepping.require(needs::Size::of(mesh), values.dim(), times, stage)?;
-    let operators = Discretization::new(mesh, stage)?;
-    let law = operator.law(&operators, &values)?;
-    let trajectory = stepping.run(&operators, &*law, values, times, stage)?;
-    Ok((trajectory, operators.masses().to_vec()))
+    let operators = Discretization::new_with(mesh, stage)?;
+    let law = operator.law(&operators, values.view())?;
+    stepping.run_with(&operators, &*law, values, times, stage)
 }

@@ -9,7 +9,7 @@ use crate::flow::times::check_steps;
 use crate::flow::trajectory::Trajectory;
 use crate::memory::needs;
 use crate::mesh::{TriangleMesh, component_count, components_of};
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::operators::element_stiffness;
 use crate::solver::{Cholesky, Operator, largest_eigenpairs};
 
@@ -35,10 +35,31 @@ impl Eigenpairs {
     /// By inverse block Lanczos iteration with one factorization. Takes time with the square of
     /// `count`, and memory for about twice as many functions.
     ///
+    /// ```
+    /// use spectral_tv::discretization::Discretization;
+    /// use spectral_tv::flow::Eigenpairs;
+    ///
+    /// # use spectral_tv::mesh::TriangleMesh;
+    /// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+    /// let pairs = Eigenpairs::lowest(&mesh, &Discretization::new(&mesh)?, 2)?;
+    /// assert!(pairs.eigenvalues[0].abs() < 1e-9 && pairs.eigenvalues[1] > 0.0);
+    /// # Ok::<(), spectral_tv::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`crate::Error::Argument`] if `count` is 0, [`crate::Error::Memory`],
-    /// [`crate::Error::Solver`], [`crate::Error::Cancelled`].
-    pub fn lowest(
+    /// [`crate::Error::Solver`].
+    pub fn lowest(mesh: &TriangleMesh, operators: &Discretization, count: usize) -> Result<Self> {
+        Self::lowest_with(mesh, operators, count, Monitor::new().whole())
+    }
+
+    /// [`Self::lowest`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::lowest`], or [`crate::Error::Cancelled`].
+    pub fn lowest_with(
         mesh: &TriangleMesh,
         operators: &Discretization,
         count: usize,
@@ -95,6 +116,19 @@ impl Eigenpairs {
         operators: &Discretization,
         initial: Array2<f64>,
         times: &[f64],
+    ) -> Result<Trajectory> {
+        self.flow_with(operators, initial, times, Monitor::new().whole())
+    }
+
+    /// [`Self::flow`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::flow`], or [`crate::Error::Cancelled`].
+    pub fn flow_with(
+        &self,
+        operators: &Discretization,
+        initial: Array2<f64>,
+        times: &[f64],
         stage: Stage,
     ) -> Result<Trajectory> {
         operators.check_values(initial.view())?;
@@ -105,7 +139,7 @@ impl Eigenpairs {
             false => initial.clone(),
         };
         let coefficients = (rest * aview1(operators.masses())).dot(&self.eigenfunctions.t());
-        Trajectory::sampled(operators, times, initial, stage, |k, origin| {
+        let state = |k: usize, origin: &Array1<f64>| {
             let left = |lambda: &f64| (1.0 - lambda * times[k]).max(0.0);
             let left: Vec<f64> = self.eigenvalues.iter().map(left).collect();
             // The sum only over what is left of it.
@@ -122,7 +156,8 @@ impl Eigenpairs {
                 true => state,
                 false => without(state, origin),
             }
-        })
+        };
+        Trajectory::sampled_with(operators, times, initial, state, stage)
     }
 
     /// Whether the constants of all components are among the eigenfunctions.

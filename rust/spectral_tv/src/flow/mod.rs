@@ -28,17 +28,18 @@ mod trajectory;
 mod velocity;
 
 pub use crate::solver::Solver;
-pub use conformal::{ConformalLaplace, conformal_mean_curvature_flow};
+pub use conformal::{
+    ConformalLaplace, conformal_mean_curvature_flow, conformal_mean_curvature_flow_with,
+};
 pub use function::{Operator, flow, flow_with};
 pub use heat::Heat;
 pub use increment::Increment;
 pub use laplace_beltrami::Eigenpairs;
 pub use law::Law;
 pub(crate) use origin::without;
-pub use proximal::proximal_flow;
+pub(crate) use proximal::proximal_flow;
 #[cfg(test)]
 pub(crate) use semi_implicit::{Weights, semi_implicit_flow};
-pub(crate) use stepping::no_exact_steps;
 pub use stepping::{Scheme, Stepping};
 pub(crate) use times::{check_steps, check_times};
 pub use total_variation::TotalVariation;

@@ -19,7 +19,7 @@ use crate::operators::total_variation;
 ///
 /// # Errors
 /// As [`crate::flow::Stepping::run`], or for a tolerance not in (0, 1).
-pub fn proximal_flow(
+pub(crate) fn proximal_flow(
     operators: &Discretization,
     tolerance: f64,
     initial: Array2<f64>,

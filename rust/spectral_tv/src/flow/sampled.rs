@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::flow::increment::Precision;
 use crate::flow::recorder::{Recorder, Solution};
 use crate::flow::trajectory::Trajectory;
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::operators::total_variation;
 
 impl Trajectory {
@@ -15,13 +15,26 @@ impl Trajectory {
     /// constant (C) that it is given.
     ///
     /// # Errors
-    /// If the times do not increase from 0, a value is not finite, or the monitor was cancelled.
+    /// If the times do not increase from 0, or a value is not finite.
     pub fn sampled(
         operators: &Discretization,
         times: &[f64],
         initial: Array2<f64>,
-        stage: Stage,
+        state: impl FnMut(usize, &Array1<f64>) -> Array2<f64>,
+    ) -> Result<Self> {
+        Self::sampled_with(operators, times, initial, state, Monitor::new().whole())
+    }
+
+    /// [`Self::sampled`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::sampled`], or [`crate::Error::Cancelled`].
+    pub fn sampled_with(
+        operators: &Discretization,
+        times: &[f64],
+        initial: Array2<f64>,
         mut state: impl FnMut(usize, &Array1<f64>) -> Array2<f64>,
+        stage: Stage,
     ) -> Result<Self> {
         let mut record = Recorder::new(operators, initial, times)?;
         for k in 1..times.len() {

@@ -3,14 +3,14 @@
 use ndarray::Array2;
 
 use crate::discretization::Discretization;
-use crate::error::{ArgumentError, Error, Result};
+use crate::error::{ArgumentError, Result};
 use crate::flow::law::Law;
 use crate::flow::proximal::proximal_flow;
 use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
 use crate::flow::trajectory::Trajectory;
 use crate::memory::needs;
 use crate::minimization::check_tolerance;
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::named::named;
 use crate::solver::{Demand, Solver};
 
@@ -80,11 +80,40 @@ impl Stepping {
 
     /// Runs `law` from `values` (C, V) through `times`.
     ///
+    /// ```
+    /// use spectral_tv::discretization::{Discretization, positions};
+    /// use spectral_tv::flow::{Heat, Stepping};
+    ///
+    /// # use spectral_tv::mesh::TriangleMesh;
+    /// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+    /// let operators = Discretization::new(&mesh)?;
+    /// let times = [0.0, 0.01, 0.02];
+    /// let flow = Stepping::default().run(&operators, &Heat, positions(&mesh), &times)?;
+    /// assert_eq!(flow.states().count(), 3);
+    /// # Ok::<(), spectral_tv::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If the times do not increase from 0, a value is not finite, exact steps are asked for where
-    /// no step minimises TV, or a system cannot be solved; [`Error::Memory`] at once if the flow
-    /// does not fit; [`Error::Cancelled`].
+    /// no step minimises TV, or a system cannot be solved; [`crate::Error::Memory`] at once if the flow
+    /// does not fit.
     pub fn run(
+        self,
+        operators: &Discretization,
+        law: &dyn Law,
+        values: Array2<f64>,
+        times: &[f64],
+    ) -> Result<Trajectory> {
+        self.run_with(operators, law, values, times, Monitor::new().whole())
+    }
+
+    /// [`Self::run`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::run`], or [`crate::Error::Cancelled`].
+    pub fn run_with(
         self,
         operators: &Discretization,
         law: &dyn Law,
@@ -102,14 +131,17 @@ impl Stepping {
             None if law.is_total_variation() => {
                 proximal_flow(operators, self.tolerance, values, times, stage)
             }
-            None => Err(no_exact_steps()),
+            None => {
+                let reason = "exact steps exist for total-variation flows only";
+                Err(ArgumentError::inapplicable("scheme", reason).into())
+            }
         }
     }
 
     /// Has a flow of values (C, V) granted its memory.
     ///
     /// # Errors
-    /// [`Error::Memory`].
+    /// [`crate::Error::Memory`].
     pub(crate) fn require(
         self,
         size: needs::Size,
@@ -125,9 +157,4 @@ impl Stepping {
             "take fewer steps or vertices",
         )
     }
-}
-
-pub(crate) fn no_exact_steps() -> Error {
-    let reason = "exact steps exist for total-variation flows only (naive, m1, m3)";
-    ArgumentError::inapplicable("scheme", reason).into()
 }

@@ -14,9 +14,16 @@ const SMOOTHING: f64 = 1e-3;
 
 /// w = 1/√(|∇u|² + ε²): NETV for one channel (Brokman et al. 2024, Eq. 20), shape spectral TV
 /// (M1, Eq. 54) for the three coordinates.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
     epsilon: f64,
+}
+
+impl Default for TotalVariation {
+    /// The law for functions whose mean gradient is 1.
+    fn default() -> Self {
+        Self { epsilon: SMOOTHING }
+    }
 }
 
 impl TotalVariation {
@@ -24,12 +31,18 @@ impl TotalVariation {
     ///
     /// # Errors
     /// If `initial` is not a finite function on the mesh.
-    pub fn starting_at(operators: &Discretization, initial: ArrayView2<f64>) -> Result<Self> {
+    pub fn starting_at(
+        mut self,
+        operators: &Discretization,
+        initial: ArrayView2<f64>,
+    ) -> Result<Self> {
         operators.check_values(initial)?;
         let mean = total_variation(operators.gradient(), initial) / operators.area();
         // A constant function has no gradient; any ε keeps it as it is.
-        let epsilon = if mean > 0.0 { SMOOTHING * mean } else { 1.0 };
-        Ok(Self { epsilon })
+        if mean > 0.0 {
+            self.epsilon *= mean;
+        }
+        Ok(self)
     }
 }
 

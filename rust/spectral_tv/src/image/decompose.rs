@@ -114,6 +114,17 @@ impl Settings {
 /// in pixels. In the plane a disc of the radius r falls at the rate 2/r; so one that stands out
 /// by h is gone at t = h r/2.
 ///
+/// ```
+/// use spectral_tv::image::{Image, Settings, decompose_image};
+/// use spectral_tv::ndarray::Array2;
+///
+/// let values = Array2::from_shape_fn((1, 12), |(_, pixel)| f64::from(u8::from(pixel == 5)));
+/// let image = Image { values, rows: 3, columns: 4 };
+/// let (flow, areas) = decompose_image(&image, &Settings::default())?;
+/// assert_eq!((flow.vertex_count(), areas.len()), (12, 12));
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
 /// If the image has no grid or a value that is not finite, or as [`Stepping::run`].
 pub fn decompose_image(image: &Image, settings: &Settings) -> Result<(Trajectory, Vec<f64>)> {
@@ -147,12 +158,12 @@ pub fn decompose_image_with(
         "take fewer steps, or a smaller image",
     )?;
     let mesh = grid(&image.values, rows, columns, settings.scale(contrast))?;
-    let operators = Discretization::new(&mesh, stage)?;
-    let law = TotalVariation::starting_at(&operators, image.values.view())?;
+    let operators = Discretization::new_with(&mesh, stage)?;
+    let law = TotalVariation::default().starting_at(&operators, image.values.view())?;
     let values = image.values.clone();
     let mut flow = settings
         .stepping
-        .run(&operators, &law, values, &times, stage)?;
+        .run_with(&operators, &law, values, &times, stage)?;
     for variation in &mut flow.total_variation {
         *variation /= COVER;
     }

@@ -7,17 +7,15 @@ const MOLLIFICATION: f64 = 1e-6;
 /// inequality is strict (Sharp and Crane 2020, "A Laplacian for Nonmanifold Triangle Meshes"). 0
 /// for a healthy mesh. `lengths` are those of the edges of a triangle.
 pub(super) fn enlargement(triangles: &[[u32; 3]], lengths: impl Fn(usize) -> [f64; 3]) -> f64 {
-    let proper = || {
-        let proper = (0..triangles.len()).filter(|&t| !repeats_an_index(&triangles[t]));
-        proper.map(&lengths)
-    };
-    let (count, sum) = proper().fold((0_usize, 0.0), |(count, sum), [a, b, c]| {
-        (count + 1, sum + a + b + c)
-    });
+    let proper = (0..triangles.len()).filter(|&t| !repeats_an_index(&triangles[t]));
+    let (mut count, mut sum, mut least) = (0_usize, 0.0, f64::INFINITY);
+    for [a, b, c] in proper.map(lengths) {
+        count += 1;
+        sum += a + b + c;
+        least = (b + c - a).min(c + a - b).min(a + b - c).min(least);
+    }
     let mean = sum / (3 * count.max(1)) as f64;
-    proper()
-        .map(|[a, b, c]| MOLLIFICATION * mean - (b + c - a).min(c + a - b).min(a + b - c))
-        .fold(0.0, f64::max)
+    (MOLLIFICATION * mean - least).max(0.0)
 }
 
 /// Lengths of the edges of a triangle, `enlargement` added to each; all three 0 for a triangle

@@ -18,7 +18,7 @@ use crate::method::decompose::run_flows;
 use crate::method::representation::{Flowed, Representation, no_time_steps};
 use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, graded_times};
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::spectral::{SpectralTransform, even_edges};
 
 /// Share of the progress that is given to the representation.
@@ -66,10 +66,44 @@ pub struct Accuracy {
 
 /// Measures how the errors of a decomposition of `mesh` fall with the number of steps.
 ///
+/// ```
+/// use spectral_tv::method::{AccuracyRequest, Settings, accuracy};
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// let request = AccuracyRequest {
+///     settings: Settings::m1(),
+///     steps: vec![4, 8],
+///     scales: None,
+///     bands: 3,
+///     refinement: 4,
+/// };
+/// let found = accuracy(&mesh, &request)?;
+/// assert_eq!(found.ours.relative.dim(), (2, 3));
+/// // The exact transform gives the shape back; the paper's does not.
+/// assert!(found.ours.all_pass[[0, 3]] < 1e-9);
+/// assert!(found.paper.all_pass[[0, 3]] > 1e-9);
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
 /// If there are no steps, no bands or no refinement, the method takes no steps, or as
 /// [`crate::method::decompose`].
-pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) -> Result<Accuracy> {
+pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest) -> Result<Accuracy> {
+    accuracy_with(mesh, request, Monitor::new().whole())
+}
+
+/// [`accuracy`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`accuracy`], or [`crate::Error::Cancelled`].
+pub fn accuracy_with(
+    mesh: &TriangleMesh,
+    request: &AccuracyRequest,
+    stage: Stage,
+) -> Result<Accuracy> {
     let AccuracyRequest {
         settings, steps, ..
     } = request;
@@ -105,7 +139,7 @@ pub fn accuracy(mesh: &TriangleMesh, request: &AccuracyRequest, stage: Stage) ->
         ),
         "take fewer steps or bands, less refinement, or a mesh of fewer vertices",
     )?;
-    let operators = Discretization::new(mesh, stage)?;
+    let operators = Discretization::new_with(mesh, stage)?;
     let share = stage.stage(0.0, REPRESENTATION_SHARE);
     let Representation { flows, along, .. } =
         Representation::new(mesh, &operators, settings, share)?;

@@ -34,7 +34,7 @@ const SHARE: f64 = 0.4;
 /// `fewest` at first.
 ///
 /// # Errors
-/// If `accuracy` is not above 0, or takes too many steps; or as `flow` and `times`.
+/// If `accuracy` takes too many steps; or as `flow` and `times`.
 pub(super) fn adapted(
     operators: &Discretization,
     accuracy: f64,
@@ -43,7 +43,6 @@ pub(super) fn adapted(
     flow: impl Fn(&[f64], Stage) -> Result<Trajectory>,
     stage: Stage,
 ) -> Result<Trajectory> {
-    check_accuracy(accuracy)?;
     let edges = even_edges(&times(fewest.max(FEWEST_STEPS))?, BANDS)?;
     let mut done = 0.0;
     let mut run = |steps: usize| -> Result<(Trajectory, Vec<Array2<f64>>)> {
@@ -103,20 +102,4 @@ pub(super) fn subdivided(times: &[f64], steps: usize) -> Vec<f64> {
         (0..parts).map(part).collect::<Vec<_>>()
     });
     steps.chain(times.last().copied()).collect()
-}
-
-/// Refuses an accuracy that no number of steps has.
-///
-/// # Errors
-/// If it is not above 0 and finite.
-pub fn check_accuracy(accuracy: f64) -> Result<()> {
-    if accuracy > 0.0 && accuracy.is_finite() {
-        return Ok(());
-    }
-    Err(ArgumentError::value(
-        "accuracy",
-        "must be above 0, the relative error of bands",
-        format_args!("{accuracy:?}"),
-    )
-    .into())
 }

@@ -9,7 +9,7 @@ use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, decompose_with};
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 
 /// The filter: H = 0 below `smooth`, `gain` from `from` to `to`, 1 elsewhere. Times are relative to
 /// the area of each shape, so that the filter means the same on every pose and size.
@@ -69,9 +69,34 @@ impl Exaggeration {
 
 /// The shapes (3, V) of `meshes`, each decomposed by itself and filtered alike.
 ///
+/// ```
+/// use spectral_tv::method::{Exaggeration, Settings, caricature};
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// let filter = Exaggeration { smooth: 5e-5, from: 1e-4, to: 1e-3, gain: 2.0 };
+/// let shapes = caricature(&[mesh], &Settings::m3(), &filter)?;
+/// assert_eq!(shapes[0].dim(), (3, 4));
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
 /// If the filter makes no sense, or as [`crate::method::decompose`].
 pub fn caricature(
+    meshes: &[impl Borrow<TriangleMesh>],
+    settings: &Settings,
+    filter: &Exaggeration,
+) -> Result<Vec<Array2<f64>>> {
+    caricature_with(meshes, settings, filter, Monitor::new().whole())
+}
+
+/// [`caricature`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`caricature`], or [`crate::Error::Cancelled`].
+pub fn caricature_with(
     meshes: &[impl Borrow<TriangleMesh>],
     settings: &Settings,
     filter: &Exaggeration,

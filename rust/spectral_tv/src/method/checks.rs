@@ -1,8 +1,7 @@
 //! Checks of settings.
 
 use crate::error::{ArgumentError, Result};
-use crate::flow::{Scheme, check_steps, no_exact_steps};
-use crate::method::adaptive_steps::check_accuracy;
+use crate::flow::{Scheme, check_steps};
 use crate::method::facts::{Work, named_where};
 use crate::method::options::{OPTIONS, Settings};
 
@@ -14,17 +13,17 @@ impl Settings {
     pub fn check(&self) -> Result<()> {
         let facts = self.method.facts();
         self.stepping.check()?;
-        if !(1..=3).contains(&self.p) {
-            return Err(ArgumentError::value("p", "must be 1, 2 or 3", self.p).into());
-        }
-        if self.eigenpairs == 0 {
-            return Err(ArgumentError::value("eigenpairs", "must be at least 1", 0).into());
-        }
-        if let Some(accuracy) = self.accuracy {
-            check_accuracy(accuracy)?;
+        for option in OPTIONS {
+            if let Some((rule, holds)) = option.rule
+                && !holds(self)
+            {
+                return Err(ArgumentError::value(option.name, rule, (option.get)(self)).into());
+            }
         }
         if self.stepping.scheme == Scheme::Exact && !facts.has_exact_steps() {
-            return Err(no_exact_steps());
+            let methods = named_where(|method| method.facts().has_exact_steps(), "and");
+            let message = format!("exact steps exist for {methods} only");
+            return Err(ArgumentError::inapplicable("scheme", message).into());
         }
         let default = Self::default();
         for option in OPTIONS {

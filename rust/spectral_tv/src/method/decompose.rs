@@ -1,5 +1,7 @@
 //! From a mesh and a method to a decomposition.
 
+use ndarray::Array1;
+
 use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::{Eigenpairs, Trajectory, check_times, without};
@@ -42,7 +44,7 @@ pub fn decompose_with(
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
     check_memory(mesh, settings, stage)?;
-    let operators = Discretization::new(mesh, stage)?;
+    let operators = Discretization::new_with(mesh, stage)?;
     let mut base = None;
     let (trajectory, displacement) = match settings.method.facts().work {
         Work::Flow { .. } => by_steps(mesh, &operators, settings, stage, &mut base)?,
@@ -101,7 +103,7 @@ pub(super) fn run_flows(
     let run = |(index, Flowed { law, values }): (usize, &Flowed)| {
         let stage = stage.stage(index as f64 / count, (index + 1) as f64 / count);
         let stepping = settings.stepping;
-        stepping.run(operators, &**law, values.clone(), times, stage)
+        stepping.run_with(operators, &**law, values.clone(), times, stage)
     };
     let trajectories: Vec<_> = flows.iter().enumerate().map(run).collect::<Result<_>>()?;
     Ok(Trajectory::side_by_side(trajectories))
@@ -115,7 +117,8 @@ fn by_eigenpairs(
     stage: Stage,
 ) -> Result<Trajectory> {
     let count = settings.eigenpairs.min(mesh.vertex_count());
-    let pairs = Eigenpairs::lowest(mesh, operators, count, stage.stage(0.0, EIGENPAIRS_SHARE))?;
+    let pairs =
+        Eigenpairs::lowest_with(mesh, operators, count, stage.stage(0.0, EIGENPAIRS_SHARE))?;
     let times = match &settings.times {
         Some(times) => times.clone(),
         None => {
@@ -124,7 +127,7 @@ fn by_eigenpairs(
         }
     };
     let stage = stage.stage(EIGENPAIRS_SHARE, 1.0);
-    pairs.flow(operators, positions(mesh), &times, stage)
+    pairs.flow_with(operators, positions(mesh), &times, stage)
 }
 
 /// The displacement from a base as the only component, at the time that the base was smoothed
@@ -140,7 +143,6 @@ fn by_base(
     let time = base.duration(mesh.area());
     let times = [0.0, time, 2.0 * time];
     let initial = positions(mesh);
-    Trajectory::sampled(operators, &times, initial, stage, |_, origin| {
-        without(shape.clone(), origin)
-    })
+    let state = |_, origin: &Array1<f64>| without(shape.clone(), origin);
+    Trajectory::sampled_with(operators, &times, initial, state, stage)
 }

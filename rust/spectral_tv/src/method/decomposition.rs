@@ -29,7 +29,7 @@ impl Decomposition {
         stage: Stage,
     ) -> Result<Self> {
         Ok(Self {
-            spectrum: transform.spectrum(vertex_areas, stage)?,
+            spectrum: transform.spectrum_with(vertex_areas, stage)?,
             transform,
             displacement,
             vertex_areas: vertex_areas.to_vec(),

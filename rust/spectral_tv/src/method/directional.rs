@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView2, Axis};
 
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result, has_usable_size, unusable_values};
-use crate::flow::conformal_mean_curvature_flow;
+use crate::flow::conformal_mean_curvature_flow_with;
 use crate::mesh::TriangleMesh;
 use crate::method::outward::outward_signs;
 use crate::monitor::Stage;
@@ -62,8 +62,8 @@ impl Base {
     ///
     /// # Errors
     /// If a given shape has another number of vertices or a coordinate that is not finite; or
-    /// as [`conformal_mean_curvature_flow`].
-    pub fn shape(
+    /// as [`conformal_mean_curvature_flow_with`].
+    pub(super) fn shape(
         &self,
         mesh: &TriangleMesh,
         operators: &Discretization,
@@ -81,7 +81,8 @@ impl Base {
                     )
                     .into());
                 }
-                conformal_mean_curvature_flow(mesh, operators, duration, BASE_STEPS, solver, stage)
+                let steps = BASE_STEPS;
+                conformal_mean_curvature_flow_with(mesh, operators, duration, steps, solver, stage)
             }
             Self::Shape(shape) => {
                 if shape.dim() != (3, mesh.vertex_count()) {
@@ -126,38 +127,36 @@ impl Displacement {
     ///
     /// # Errors
     /// [`crate::Error::Solver`] if the signs cannot be computed, [`crate::Error::Cancelled`].
-    pub fn between(
+    pub(super) fn between(
         mesh: &TriangleMesh,
         operators: &Discretization,
         mut base: Array2<f64>,
         solver: Solver,
         stage: Stage,
     ) -> Result<Self> {
-        stage.check()?;
-        let normals = vertex_normals(base.view(), mesh.triangles());
-        stage.check()?;
+        let normals = stage.pass(|| vertex_normals(base.view(), mesh.triangles()))?;
         let shape = positions(mesh);
         let mut direction = &shape - &base;
         let smallest = COINCIDENT * mesh.area().sqrt();
-        for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {
+        let columns = direction.columns_mut().into_iter().enumerate();
+        stage.for_each(columns, |(vertex, mut column)| {
             if column.dot(&column).sqrt() <= smallest {
                 column.fill(0.0);
                 base.column_mut(vertex).assign(&shape.column(vertex));
             }
-        }
-        stage.check()?;
+        })?;
         let signs = outward_signs(operators, direction.view(), normals.view(), solver, stage)?;
-        stage.check()?;
         let mut distance = Array2::zeros((1, base.ncols()));
-        for (vertex, mut column) in direction.columns_mut().into_iter().enumerate() {
+        let columns = direction.columns_mut().into_iter().enumerate();
+        stage.for_each(columns, |(vertex, mut column)| {
             let length = column.dot(&column).sqrt();
             if length == 0.0 {
                 column.assign(&normals.column(vertex));
-                continue;
+                return;
             }
             distance[[0, vertex]] = signs[vertex] * length;
             column.mapv_inplace(|component| signs[vertex] * component / length);
-        }
+        })?;
         Ok(Self {
             base,
             direction,

@@ -10,7 +10,6 @@ use crate::memory::needs::Size;
 use crate::mesh::TriangleMesh;
 use crate::method::facts::Work;
 use crate::method::{Settings, graded_times};
-use crate::monitor::Monitor;
 use crate::operators::positions;
 use crate::solver::Solver;
 
@@ -119,17 +118,15 @@ fn measured_pace() -> Result<f64> {
         .collect();
     let mesh = TriangleMesh::new(vertices, &triangles)?;
     let times = graded_times(1e-5 * mesh.area(), 3e-3 * mesh.area(), STEPS)?;
-    let monitor = Monitor::new();
-    let stage = monitor.whole();
-    let operators = Discretization::new(&mesh, stage)?;
+    let operators = Discretization::new(&mesh)?;
     let shape = positions(&mesh);
-    let law = TotalVariation::starting_at(&operators, shape.view())?;
+    let law = TotalVariation::default().starting_at(&operators, shape.view())?;
     let stepping = Stepping {
         solver: Solver::Cholesky,
         ..Stepping::default()
     };
     let start = Instant::now();
-    stepping.run(&operators, &law, shape, &times, stage)?;
+    stepping.run(&operators, &law, shape, &times)?;
     let taken = start.elapsed().as_secs_f64();
     Ok(taken / (mesh.vertex_count() as f64 * STEPS as f64))
 }

@@ -22,9 +22,8 @@ mod schedule;
 mod settings;
 mod value;
 
-pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy};
-pub use adaptive_steps::check_accuracy;
-pub use caricature::{Exaggeration, caricature};
+pub use accuracy::{Accuracy, AccuracyRequest, Errors, accuracy, accuracy_with};
+pub use caricature::{Exaggeration, caricature, caricature_with};
 pub use decompose::{decompose, decompose_with};
 pub use decomposition::Decomposition;
 pub use directional::{Base, Displacement, Metric};

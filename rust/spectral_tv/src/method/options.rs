@@ -3,7 +3,8 @@
 use ndarray::Array2;
 
 use crate::error::Result;
-use crate::flow::{Scheme, Stepping};
+use crate::flow::{Scheme, Stepping, TotalVariation};
+use crate::method::facts::Work;
 use crate::method::value::{Held, Kind, Value};
 use crate::method::{Method, Metric};
 use crate::solver::Solver;
@@ -18,15 +19,34 @@ pub struct Choice {
     pub is_optional: bool,
     /// Whether a method takes it.
     pub applies: fn(Method) -> bool,
+    /// What a value has to be, and whether that of settings is so; `None` if all are fit.
+    pub(super) rule: Option<Rule>,
     /// Its value.
     pub get: fn(&Settings) -> Value,
     set: fn(&mut Settings, Value) -> Result<()>,
 }
 
+/// "must be at least 1", and whether it is.
+pub(super) type Rule = (&'static str, fn(&Settings) -> bool);
+
+/// A rule of a row.
+macro_rules! rule {
+    ($type:ty, $($place:ident).+) => {
+        None
+    };
+    ($type:ty, $($place:ident).+, $rule:literal: $holds:expr) => {
+        Some(($rule, |settings| {
+            let holds: fn(&$type) -> bool = $holds;
+            holds(&settings.$($place).+)
+        }))
+    };
+}
+
 /// A row of the table of options.
 macro_rules! choice {
-    ($name:ident, $type:ty, $applies:expr, $($place:ident).+) => {
+    ($name:ident, $type:ty, $applies:expr, $rule:expr, $($place:ident).+) => {
         Choice {
+            rule: $rule,
             name: stringify!($name),
             kind: <$type>::KIND,
             is_optional: <$type>::IS_OPTIONAL,
@@ -40,11 +60,19 @@ macro_rules! choice {
     };
 }
 
-/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`.
+/// Makes [`Settings`], its defaults and [`OPTIONS`] of lines `name: type = default, applies`, with
+/// `, "rule": holds` where not all values are fit. What other types hold, with the defaults that they
+/// have, is in groups of their own.
 macro_rules! options {
     (
-        settings { $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr;)+ }
-        stepping { $($step:ident: $step_type:ty, $step_applies:expr;)+ }
+        settings {
+            $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr, $applies:expr
+                $(, $rule:literal: $holds:expr)?;)+
+        }
+        $($(#[$group_doc:meta])* $group:ident: $group_type:ty {
+            $($inner:ident: $inner_type:ty, $inner_applies:expr
+                $(, $inner_rule:literal: $inner_holds:expr)?;)*
+        })+
     ) => {
         /// The settings of a decomposition. An option that the method does not take has to have its
         /// default; else it is refused. See [`OPTIONS`].
@@ -52,8 +80,7 @@ macro_rules! options {
         pub struct Settings {
             /// The method.
             pub method: Method,
-            /// How steps are taken.
-            pub stepping: Stepping,
+            $($(#[$group_doc])* pub $group: $group_type,)+
             $($(#[$doc])* pub $field: $type,)+
         }
 
@@ -61,7 +88,7 @@ macro_rules! options {
             fn default() -> Self {
                 Self {
                     method: Method::default(),
-                    stepping: Stepping::default(),
+                    $($group: <$group_type>::default(),)+
                     $($field: $default,)+
                 }
             }
@@ -69,8 +96,13 @@ macro_rules! options {
 
         /// Every option besides the method.
         pub const OPTIONS: &[Choice] = &[
-            $(choice!($field, $type, $applies, $field),)+
-            $(choice!($step, $step_type, $step_applies, stepping.$step),)+
+            $(choice!(
+                $field, $type, $applies, rule!($type, $field $(, $rule: $holds)?), $field
+            ),)+
+            $($(choice!(
+                $inner, $inner_type, $inner_applies,
+                rule!($inner_type, $group.$inner $(, $inner_rule: $inner_holds)?), $group.$inner
+            ),)*)+
         ];
     };
 }
@@ -79,14 +111,17 @@ options! {
     settings {
         /// N + 1 times from 0, length²; `None`: [`Settings::default_times`], or
         /// [`crate::flow::Eigenpairs::times`].
-        times: Option<Vec<f64>> = None, |method| method != Method::Displacement;
+        times: Option<Vec<f64>> = None, |method| method.facts().work != Work::Base;
         /// The number of steps N, if no times are given.
         steps: usize = 32, |_| true;
         /// The mean error of five even bands, relative to the bands: as many steps are taken as it
         /// needs, and given times are subdivided.
-        accuracy: Option<f64> = None, |method| method.facts().takes_steps();
+        accuracy: Option<f64> = None, |method| method.facts().takes_steps(),
+            "must be above 0, the relative error of bands":
+                |given| given.is_none_or(|accuracy| accuracy > 0.0 && accuracy.is_finite());
         /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
-        p: u32 = 3, |method| method == Method::ConformalLaplace;
+        p: u32 = 3, |method| method == Method::ConformalLaplace,
+            "must be 1, 2 or 3": |p| (1..=3).contains(p);
         /// The smooth base Ŝ, (3, V); `None`: the shape itself under conformalized mean curvature flow.
         base: Option<Array2<f64>> = None, |method| method.facts().takes_base;
         /// How long that flow is, length²; `None`: 5e-3 of the area.
@@ -94,13 +129,17 @@ options! {
         /// The metric in which M3 flows: that of the shape or of its base.
         metric: Metric = Metric::default(), |method| method == Method::DirectionalTv;
         /// Number of the lowest eigenpairs that are used.
-        eigenpairs: usize = 300, |method| method == Method::LaplaceBeltrami;
+        eigenpairs: usize = 300, |method| method.facts().work == Work::Eigenpairs,
+            "must be at least 1": |&count| count > 0;
     }
-    stepping {
+    /// How steps are taken.
+    stepping: Stepping {
         scheme: Scheme, |method| method.facts().takes_steps();
         tolerance: f64, |_| true;
         solver: Solver, |_| true;
     }
+    /// The law of methods that flow by total variation, before it knows the function.
+    total_variation: TotalVariation {}
 }
 
 impl Choice {
@@ -140,6 +179,25 @@ mod tests {
             assert_eq!(taken[0], option.is_optional);
             assert_eq!(taken[1..], kinds.map(|kind| kind == option.kind));
         }
+    }
+
+    #[test]
+    fn a_value_that_breaks_the_rule_of_its_option_is_told_with_the_rule() {
+        let refusal = |name: &str, value: Value| {
+            let mut settings = Settings::default();
+            let option = Choice::named(name).unwrap();
+            option.set(&mut settings, value).unwrap();
+            settings.check().unwrap_err().to_string()
+        };
+        let p = refusal("p", Value::Count(4));
+        assert_eq!(p, "p must be 1, 2 or 3, not 4");
+        let count = refusal("eigenpairs", Value::Count(0));
+        assert_eq!(count, "eigenpairs must be at least 1, not 0");
+        let accuracy = refusal("accuracy", Value::Number(f64::NAN));
+        assert!(
+            accuracy.starts_with("accuracy must be above 0, "),
+            "{accuracy}"
+        );
     }
 
     #[test]

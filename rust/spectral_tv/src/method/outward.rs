@@ -1,12 +1,12 @@
 //! On which side of its base a shape lies: the sign α of M3.
 
 use ndarray::{Array2, ArrayView2};
-use rayon::prelude::*;
 
 use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::element_stiffness;
+use crate::parallel;
 use crate::solver::{Demand, Solver};
 
 /// How far along the surface directions are kept coherent, squared and relative to the area.
@@ -43,7 +43,6 @@ pub(super) fn outward_signs(
     if mean == 0.0 {
         return Ok(vec![1.0; lengths.len()]);
     }
-    stage.check()?;
     // w_ij ⟨D_i, D_j⟩ on a face's edges, opposite to its corners.
     let coupling = |face: usize| -> [f64; 3] {
         let [i, j, k] =
@@ -53,19 +52,19 @@ pub(super) fn outward_signs(
         let cotangents = element_stiffness(&gradient.hats()[face], scale);
         std::array::from_fn(|edge| (-cotangents[edge]).max(0.0) * products[edge])
     };
-    let faces = (0..gradient.triangles().len()).into_par_iter();
-    let face_couplings: Vec<[f64; 3]> = faces.map(coupling).collect();
-    stage.check()?;
+    let faces = gradient.triangles().len();
+    let face_couplings = stage.pass(|| parallel::values(faces, coupling))?;
     let mut diagonal: Vec<f64> = (0..lengths.len())
         .map(|vertex| masses[vertex] * (lengths[vertex] / mean + LEAST_WEIGHT))
         .collect();
     // Assembly gives rows that sum to 0, which holds where σ = 1 only.
-    for (face, corners) in gradient.triangles().iter().enumerate() {
-        let [a, b, c] = face_couplings[face].map(|coupling| 2.0 * (-coupling).max(0.0));
+    let edges = gradient.triangles().iter().zip(&face_couplings);
+    stage.for_each(edges, |(corners, couplings)| {
+        let [a, b, c] = couplings.map(|coupling| 2.0 * (-coupling).max(0.0));
         for (&corner, missing) in corners.iter().zip([b + c, c + a, a + b]) {
             diagonal[corner as usize] += missing;
         }
-    }
+    })?;
     let pattern = operators.pattern();
     let demand = Demand {
         solutions: 1,
@@ -73,9 +72,8 @@ pub(super) fn outward_signs(
     };
     let mut solver = operators.solver(solver, demand, stage)?;
     let mut couplings = pattern.zeros();
-    stage.check()?;
     let stiffness = |face: usize| face_couplings[face];
-    pattern.assemble(gradient, &diagonal, stiffness, &mut couplings);
+    stage.pass(|| pattern.assemble(gradient, &diagonal, stiffness, &mut couplings))?;
     solver.set_matrix(&diagonal, couplings.data(), 1.0, stage)?;
     let mut data = Array2::zeros((1, lengths.len()));
     for (vertex, (displacement, normal)) in columns().zip(normals.columns()).enumerate() {

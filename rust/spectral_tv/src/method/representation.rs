@@ -4,7 +4,7 @@ use ndarray::{Array2, Axis};
 
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result};
-use crate::flow::{ConformalLaplace, Heat, Law, TotalVariation};
+use crate::flow::{ConformalLaplace, Heat, Law};
 use crate::mesh::TriangleMesh;
 use crate::method::facts::named_where;
 use crate::method::{Displacement, Method, Metric, Settings};
@@ -42,7 +42,8 @@ impl Representation {
         stage: Stage,
     ) -> Result<Self> {
         let tv_on = |operators: &Discretization, values: Array2<f64>| -> Result<Flowed> {
-            let law = Box::new(TotalVariation::starting_at(operators, values.view())?);
+            let law = settings.total_variation;
+            let law = Box::new(law.starting_at(operators, values.view())?);
             Ok(Flowed { law, values })
         };
         let tv = |values: Array2<f64>| tv_on(operators, values);
@@ -78,7 +79,7 @@ impl Representation {
                     Metric::Surface => tv(found.distance.clone())?,
                     Metric::Base => {
                         let base = with_shape(mesh, &found.base)?;
-                        let operators = Discretization::new(&base, stage)?;
+                        let operators = Discretization::new_with(&base, stage)?;
                         let flowed = tv_on(&operators, found.distance.clone())?;
                         along = Some((base, operators));
                         flowed

@@ -1,5 +1,7 @@
 //! Values of options, whatever their types.
 
+use std::fmt;
+
 use ndarray::Array2;
 
 use crate::error::{ArgumentError, Error, Result};
@@ -20,6 +22,19 @@ pub enum Value {
     List(Vec<f64>),
     /// Positions, (3, V).
     Shape(Array2<f64>),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("none"),
+            Self::Count(count) => count.fmt(f),
+            Self::Number(number) => write!(f, "{number:?}"),
+            Self::Name(name) => write!(f, "{name:?}"),
+            Self::List(numbers) => write!(f, "{numbers:?}"),
+            Self::Shape(shape) => write!(f, "positions of {} vertices", shape.ncols()),
+        }
+    }
 }
 
 /// What kind of value an option has.
@@ -126,5 +141,5 @@ impl<T: Held> Held for Option<T> {
 
 fn other_kind(name: &'static str, kind: Kind, found: &Value) -> Error {
     let rule = format!("must be a {kind:?}").to_lowercase();
-    ArgumentError::value(name, rule, format_args!("{found:?}")).into()
+    ArgumentError::value(name, rule, found).into()
 }

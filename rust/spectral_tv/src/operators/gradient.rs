@@ -154,6 +154,7 @@ impl Gradient {
 
     /// Gᵀ A z: the integrated negative divergence at every vertex of a field with one vector
     /// per face, which `field` gives.
+    #[inline]
     pub fn adjoint(&self, field: impl Fn(usize) -> FaceVector) -> Vec<f64> {
         let mut divergence = vec![0.0; self.vertex_count];
         for (face, (corners, hats)) in self.triangles.iter().zip(&self.hats).enumerate() {

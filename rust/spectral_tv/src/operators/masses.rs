@@ -2,7 +2,7 @@
 
 /// Vertex areas, with the mean in place of 0: a vertex in no triangle has no neighbours either,
 /// so any mass keeps it where it is and M invertible.
-pub(crate) fn invertible_masses(vertex_areas: &[f64]) -> Vec<f64> {
+pub fn invertible_masses(vertex_areas: &[f64]) -> Vec<f64> {
     let mean = vertex_areas.iter().sum::<f64>() / vertex_areas.len() as f64;
     vertex_areas
         .iter()

@@ -15,7 +15,7 @@ pub use edge_laplacian::EdgeLaplacian;
 pub use gradient::{FaceVector, Gradient};
 pub use inner_product::{inner_product, squared_norm};
 pub use laplacian::{LaplacianPattern, Neighbour, element_stiffness, pin};
-pub(crate) use masses::invertible_masses;
+pub use masses::invertible_masses;
 pub use positions::positions;
 pub use side_by_side::SideBySide;
 pub use total_variation::total_variation;

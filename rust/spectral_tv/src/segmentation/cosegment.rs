@@ -7,7 +7,7 @@ use ndarray::{Axis, concatenate};
 use crate::error::{ArgumentError, Result};
 use crate::memory::needs;
 use crate::method::Decomposition;
-use crate::monitor::Stage;
+use crate::monitor::{Monitor, Stage};
 use crate::segmentation::earth_mover::{QUANTILES, quantile_functions};
 use crate::segmentation::k_means::k_means;
 
@@ -18,10 +18,36 @@ use crate::segmentation::k_means::k_means;
 /// The shapes need not have vertices or triangles in common. With M2 they are parts at different
 /// levels: trunk, upper limbs and head, lower limbs, hands.
 ///
+/// ```
+/// use spectral_tv::method::{Settings, decompose};
+/// use spectral_tv::segmentation::cosegment;
+///
+/// # use spectral_tv::mesh::TriangleMesh;
+/// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let mesh = TriangleMesh::new(vertices, &triangles)?;
+/// let decomposition = decompose(&mesh, &Settings::m2())?;
+/// let labels = cosegment(&[decomposition], 2, 0)?;
+/// assert!(labels[0].iter().all(|&label| label < 2));
+/// # Ok::<(), spectral_tv::Error>(())
+/// ```
+///
 /// # Errors
 /// If there is no shape, one has no components, or `segments` is 0 or more than there are vertices;
-/// [`crate::Error::Memory`]; or [`crate::Error::Cancelled`].
+/// [`crate::Error::Memory`].
 pub fn cosegment(
+    decompositions: &[impl Borrow<Decomposition>],
+    segments: usize,
+    seed: u64,
+) -> Result<Vec<Vec<usize>>> {
+    cosegment_with(decompositions, segments, seed, Monitor::new().whole())
+}
+
+/// [`cosegment`], watched: `stage` tells how far it is, and cancels it.
+///
+/// # Errors
+/// As [`cosegment`], or [`crate::Error::Cancelled`].
+pub fn cosegment_with(
     decompositions: &[impl Borrow<Decomposition>],
     segments: usize,
     seed: u64,

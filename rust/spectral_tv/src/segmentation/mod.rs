@@ -5,4 +5,4 @@ mod cosegment;
 mod earth_mover;
 mod k_means;
 
-pub use cosegment::cosegment;
+pub use cosegment::{cosegment, cosegment_with};

@@ -119,18 +119,31 @@ impl SpectralTransform {
 
     /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N − 1, |·| over all channels; `masses` are the V
     /// vertex areas.
+    pub fn spectrum(&self, masses: &[f64]) -> Vec<f64> {
+        let count = self.component_times().len();
+        (0..count)
+            .map(|index| self.strength(index, masses))
+            .collect()
+    }
+
+    /// [`Self::spectrum`], watched: `stage` tells how far it is, and cancels it.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
-    pub fn spectrum(&self, masses: &[f64], stage: Stage) -> Result<Vec<f64>> {
+    pub fn spectrum_with(&self, masses: &[f64], stage: Stage) -> Result<Vec<f64>> {
         let count = self.component_times().len();
         let strength = |index: usize| {
             stage.report(index as f64 / count as f64)?;
-            Ok(integral(self.component(index).view(), masses))
+            Ok(self.strength(index, masses))
         };
         let spectrum = (0..count).map(strength).collect();
         stage.report(1.0)?;
         spectrum
+    }
+
+    /// S(t_k) for k = `index` + 1.
+    fn strength(&self, index: usize, masses: &[f64]) -> f64 {
+        integral(self.component(index).view(), masses)
     }
 }
 
@@ -162,7 +175,7 @@ mod tests {
         let triangles = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
         let mesh = TriangleMesh::new(vertices, &triangles).unwrap();
         let monitor = Monitor::new();
-        let operators = Discretization::new(&mesh, monitor.whole()).unwrap();
+        let operators = Discretization::new(&mesh).unwrap();
         let times: Vec<f64> = (0..9).map(|k| 0.01 * f64::from(k * k)).collect();
         for solver in [Solver::Cholesky, Solver::Multigrid] {
             let (weights, shape) = (Weights::Extrapolated, positions(&mesh));
@@ -181,7 +194,7 @@ mod tests {
             assert!((whole - shape).iter().all(|error| error.abs() < 1e-15));
             let cancelled = Monitor::new();
             cancelled.cancel();
-            let outcome = transform.spectrum(operators.masses(), cancelled.whole());
+            let outcome = transform.spectrum_with(operators.masses(), cancelled.whole());
             assert!(matches!(outcome, Err(crate::Error::Cancelled)));
         }
     }

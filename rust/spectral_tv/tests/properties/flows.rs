@@ -4,20 +4,13 @@ use ndarray::Array2;
 use proptest::prelude::*;
 
 use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{
-    Eigenpairs, Operator, Stepping, Trajectory, flow as flow_of, proximal_flow,
-};
+use spectral_tv::flow::{Eigenpairs, Operator, Scheme, Stepping, Trajectory, flow as flow_of};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::graded_times;
-use spectral_tv::monitor::Monitor;
 use spectral_tv::spectral::SpectralTransform;
 
 use crate::random::{mesh, on, stepping, values};
 use crate::{GAP, STEPS, config, distance};
-
-fn operators(mesh: &TriangleMesh) -> Discretization {
-    Discretization::new(mesh, Monitor::new().whole()).unwrap()
-}
 
 /// The TV flow up to about the extinction of functions of the size of 1.
 fn flow(mesh: &TriangleMesh, values: &Array2<f64>, stepping: Stepping) -> Trajectory {
@@ -94,10 +87,11 @@ proptest! {
     ) {
         let channels = one.len().min(other.len());
         let (one, other) = (on(&mesh, &one[..channels]), on(&mesh, &other[..channels]));
-        let (operators, monitor) = (operators(&mesh), Monitor::new());
+        let operators = Discretization::new(&mesh).unwrap();
         let times = [0.0, 0.05, 0.2, 0.5];
+        let exact = Stepping { scheme: Scheme::Exact, tolerance: GAP, ..Stepping::default() };
         let run = |values: &Array2<f64>| {
-            proximal_flow(&operators, GAP, values.clone(), &times, monitor.whole()).unwrap()
+            flow_of(&mesh, values.clone(), &times, Operator::TotalVariation, exact).unwrap()
         };
         let (first, second) = (run(&one), run(&other));
         // A gap of g moves the minimiser of ½‖u − f‖² + Δt TV(u) by at most √(2 g).
@@ -127,8 +121,8 @@ proptest! {
 
     #[test]
     fn eigenpairs_are_orthonormal_and_ordered(mesh in mesh(), count in 1..20_usize) {
-        let (operators, monitor) = (operators(&mesh), Monitor::new());
-        let pairs = Eigenpairs::lowest(&mesh, &operators, count, monitor.whole()).unwrap();
+        let operators = Discretization::new(&mesh).unwrap();
+        let pairs = Eigenpairs::lowest(&mesh, &operators, count).unwrap();
         prop_assert_eq!(pairs.eigenvalues.len(), count);
         prop_assert!(pairs.eigenvalues.is_sorted());
         prop_assert!(pairs.eigenvalues[0].abs() < 1e-9);

@@ -60,13 +60,9 @@ pub struct Multigrid {
     /// What the matrix was divided by.
     scale: f64,
     coarse_levels: CoarseLevels,
-    /// Whether coarse levels follow every matrix: where they had to once, they will have to
-    /// again.
-    is_following: bool,
-    /// Iterations for [`GAIN`] right after the vertices were clustered, and when the coarse
-    /// levels were last brought up to date.
+    upkeep: Upkeep,
+    /// Iterations for [`GAIN`] right after the vertices were clustered.
     iterations_when_fresh: Option<f64>,
-    iterations_when_current: f64,
     /// Matrices that the clusters have served, and after which they are renewed unasked: where
     /// weights change from step to step, clusters that failed soon will do so again.
     age: usize,
@@ -88,6 +84,15 @@ enum CoarseLevels {
     Unfit,
 }
 
+/// When coarse levels are brought up to date.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Upkeep {
+    /// When the vertices are clustered. Then a solution took so many iterations for [`GAIN`].
+    WithClusters { iterations: f64 },
+    /// With every matrix: where they had to be once, they will have to be again.
+    WithMatrices,
+}
+
 impl CoarseLevels {
     fn are_current(self) -> bool {
         matches!(self, Self::Current | Self::Unfit)
@@ -107,9 +112,8 @@ impl Multigrid {
             hierarchy: Hierarchy::unset(matrix),
             scale: 1.0,
             coarse_levels: CoarseLevels::Unset,
-            is_following: false,
+            upkeep: Upkeep::WithClusters { iterations: 0.0 },
             iterations_when_fresh: None,
-            iterations_when_current: 0.0,
             age: 0,
             lifetime: usize::MAX,
             single: None,
@@ -135,7 +139,7 @@ impl Multigrid {
             return self.coarsen(stage);
         }
         self.age += 1;
-        if self.is_following {
+        if self.upkeep == Upkeep::WithMatrices {
             self.coarse_levels = CoarseLevels::Current;
             return self.hierarchy.refresh(stage);
         }
@@ -274,10 +278,13 @@ impl Multigrid {
             if iterations > fresh + MOST_EXTRA_ITERATIONS {
                 self.coarse_levels = CoarseLevels::Unfit;
             }
-            self.iterations_when_current = iterations;
-        } else {
-            let bound = self.iterations_when_current + MOST_OUTDATED_ITERATIONS;
-            self.is_following |= iterations > bound;
+        }
+        if let Upkeep::WithClusters { iterations: known } = &mut self.upkeep {
+            if self.coarse_levels.are_current() {
+                *known = iterations;
+            } else if iterations > *known + MOST_OUTDATED_ITERATIONS {
+                self.upkeep = Upkeep::WithMatrices;
+            }
         }
     }
 }
