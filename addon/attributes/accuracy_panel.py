@@ -6,7 +6,6 @@ import bpy
 
 from ..bands.bands import settings_as_taken
 from ..bands.bands_panel import BandsPanel
-from ..bands.estimates import of_accuracy
 from ..bands.methods import METHODS
 from ..drawing.work import WorkPanel, draw_button, draw_needs
 from ..scene.records import record_of
@@ -18,8 +17,6 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
     """How accurate the bands are for the number of steps"""
 
     bl_label = "Accuracy"
-    bl_parent_id = "SPECTRAL_TV_PT_bands"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -31,7 +28,7 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
         settings = settings_as_taken(record_of(obj))
         count = len(obj.data.vertices)
         layout.label(text=f"{settings.steps} steps, a half and a quarter of them", icon="BLANK1")
-        draw_needs(layout, context, of_accuracy(settings.method, count, settings.steps))
+        draw_needs(layout, context, accuracy.needs(settings.method, count, settings.steps))
         button = draw_button(
             layout, SPECTRAL_TV_OT_measure_accuracy, "DRIVER_DISTANCE", is_tall=False
         )

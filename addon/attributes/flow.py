@@ -4,10 +4,9 @@ import bpy
 import spectral_tv
 
 from ..job.operator import JobOperator
-from ..options import rows
 from .flows import Prepared, prepare, results
 from .outputs import write
-from .properties import COLUMNS, AttributeChoices
+from .properties import AttributeChoices
 
 
 class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeChoices, bpy.types.Operator):
@@ -34,8 +33,3 @@ class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeChoices, bpy.types.Ope
             if cut:
                 text += f", {cut} weights cut off at 0 and 1"
         return text
-
-    def draw(self, _context: bpy.types.Context) -> None:
-        """Lay out Adjust Last Operation."""
-        self.layout.use_property_split = True
-        rows.draw(self.layout, self, *COLUMNS)

@@ -34,10 +34,7 @@ def prepare(obj: bpy.types.Object, settings: Settings, is_even: bool = False) ->
 
     Raises Refusal or spectral_tv.MeshError if the object and the choice do not go together.
     """
-    if settings.result != "FLOW" and settings.bands >= settings.steps:
-        raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
-    if settings.result == "FILTER":
-        filter_values(settings)  # refused now rather than after the work
+    settings.check()
     source = read(obj, settings.kind, settings.source)
     surface = _surface(obj, source)
     values = source.values
@@ -49,8 +46,6 @@ def prepare(obj: bpy.types.Object, settings: Settings, is_even: bool = False) ->
     finest, largest = settings.finest, settings.largest
     if settings.result == "FLOW":
         finest, largest = settings.size / FINER, settings.size
-    elif finest >= largest:
-        raise Refusal("the finest size is not below the largest")
     size = math.sqrt(surface.mesh.area) / 100
     ends = [_time(settings.law, percent * size, contrast) for percent in (finest, largest)]
     times = spectral_tv.graded_times(*ends, settings.steps)

@@ -12,7 +12,6 @@ from ..bands.methods import METHODS
 from ..bands.properties import DecompositionChoices
 from ..bands.shapes import read_surfaces
 from ..job.operator import JobOperator
-from ..options import rows
 from ..scene.objects import Refusal
 from ..scene.records import record_of
 from ..scene.surface import Surface
@@ -80,8 +79,8 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
         ]
         return f"{'; '.join(parts)}; shown as {names[-1]!r}, measured"
 
-    def draw(self, _context: bpy.types.Context) -> None:
-        """Lay out Adjust Last Operation."""
-        self.layout.use_property_split = True
-        rows.draw(self.layout, self, "method")
+    columns = ("method",)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        super().draw(context)
         self.layout.prop(self, "shown")

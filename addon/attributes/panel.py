@@ -9,7 +9,6 @@ from ..options import rows
 from ..scene.objects import refusal
 from .eigenset import SPECTRAL_TV_OT_test_eigenset
 from .flow import SPECTRAL_TV_OT_flow_attribute
-from .properties import COLUMNS
 from .values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
 
 
@@ -18,9 +17,7 @@ class SPECTRAL_TV_PT_attributes(MeshPanel, bpy.types.Panel):
 
     bl_label = "Attributes"
     bl_order = 4
-
-    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        rows.draw(layout, context.scene.spectral_tv_attributes, *COLUMNS)
+    kept = "spectral_tv_attributes"
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_attributes
@@ -28,7 +25,7 @@ class SPECTRAL_TV_PT_attributes(MeshPanel, bpy.types.Panel):
         if reason is not None:
             say(layout, context, reason, "INFO")
         count, settings = len(context.active_object.data.vertices), choices.settings()
-        draw_needs(layout, context, of_values(count, settings.steps, exact=settings.is_exact))
+        draw_needs(layout, context, of_values(count, settings.steps, settings.is_exact))
         draw_button(layout, SPECTRAL_TV_OT_flow_attribute, "MOD_SMOOTH", choices)
 
 

@@ -7,9 +7,9 @@ from ..bands.filtering import SidebarFilter
 from ..options.properties import choices_of
 from .settings import Measure, Settings
 
-AttributeChoices, MeasureChoices = choices_of(Settings), choices_of(Measure)
-# The columns of a panel: what is flowed, of what sizes, the filter, how.
+# What is flowed, of what sizes, the filter, how.
 COLUMNS = ("source", "sizes bands", "filter", "law steps")
+AttributeChoices, MeasureChoices = choices_of(Settings, *COLUMNS), choices_of(Measure, *COLUMNS)
 
 
 class SpectralTVAttributes(SidebarFilter, MeasureChoices, bpy.types.PropertyGroup):

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..scene.arrays import corner_vertices, numbers
+from ..scene.arrays import corner_vertices, means, numbers
 from ..scene.contents import TYPES, attribute_values
-from ..scene.mix import key_displacement
+from ..scene.fingerprints import names as names_of
+from ..scene.mix import key_displacement, keys_of
 from ..scene.notes import note
 from ..scene.objects import Refusal
-from ..scene.weights import weights_of
+from ..scene.weights import group_named, weights_of
 
 KINDS = (
     ("ATTRIBUTE", "Attribute", "An attribute of the mesh", "SPREADSHEET", 0),
@@ -37,15 +38,11 @@ class Source:
 
 def names(obj: bpy.types.Object, kind: str) -> list[str]:
     """Names of what can be flowed."""
-    mesh = obj.data
-    if kind == "GROUP":
-        return [group.name for group in obj.vertex_groups]
-    if kind == "KEY":
-        keys = mesh.shape_keys
-        return [] if keys is None else [k.name for k in keys.key_blocks if k != keys.reference_key]
+    if kind in ("GROUP", "KEY"):
+        return names_of(obj, kind)
     return [
         attribute.name
-        for attribute in mesh.attributes
+        for attribute in obj.data.attributes
         if not attribute.name.startswith(".")
         and (
             attribute.data_type in COLORS or (kind == "ATTRIBUTE" and attribute.data_type in TYPES)
@@ -64,7 +61,7 @@ def read(obj: bpy.types.Object, kind: str, name: str) -> Source:
         raise Refusal(f"there is no active {_label(kind)}; choose one")
     alpha = None
     if kind == "GROUP":
-        values = _group(obj, name)
+        values = weights_of(obj, group_named(obj, name))[:, np.newaxis]
     elif kind == "KEY":
         values = _key(obj, name)
     else:
@@ -91,18 +88,11 @@ def _active(obj: bpy.types.Object, kind: str) -> str:
     return "" if active is None else active.name
 
 
-def _group(obj: bpy.types.Object, name: str) -> np.ndarray:
-    if name not in obj.vertex_groups:
-        raise Refusal(f"there is no vertex group {name!r}")
-    return weights_of(obj, obj.vertex_groups[name])[:, np.newaxis]
-
-
 def _key(obj: bpy.types.Object, name: str) -> np.ndarray:
-    keys = obj.data.shape_keys
-    key = None if keys is None else keys.key_blocks.get(name)
+    key = keys_of(obj.data).get(name)
     if key is None:
         raise Refusal(f"there is no shape key {name!r}")
-    if key == keys.reference_key:
+    if key == key.id_data.reference_key:
         raise Refusal(f"{name!r} is the shape that others are measured from; choose another key")
     if key.vertex_group:
         note(f"{name!r} is limited to {key.vertex_group!r}; what comes of it is not")
@@ -122,20 +112,13 @@ def _attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
         return values
     corners = corner_vertices(mesh)
     if attribute.domain == "CORNER":
-        return _means(corners, np.ones(len(corners)), values, len(mesh.vertices))
+        return means(corners, values, len(mesh.vertices))
     sizes = numbers(mesh.polygons, "loop_total")
     areas = numbers(mesh.polygons, "area", dtype=np.float32)
     # A face without area still has a say where it is alone.
     areas = np.maximum(areas, np.finfo(np.float32).tiny)
     face = np.repeat(np.arange(len(sizes)), sizes)
-    return _means(corners, areas[face], values[face], len(mesh.vertices))
-
-
-def _means(vertices: np.ndarray, weights: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
-    """Weighted means of the values that belong to every vertex; 0 where none do."""
-    total = np.bincount(vertices, weights, count)
-    sums = [np.bincount(vertices, weights * channel, count) for channel in values.T]
-    return np.column_stack(sums) / np.where(total > 0, total, 1)[:, np.newaxis]
+    return means(corners, values[face], len(mesh.vertices), areas[face])
 
 
 def _why_not(attribute: bpy.types.Attribute) -> str:

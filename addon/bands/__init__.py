@@ -24,5 +24,5 @@ FILES = (
     bands_panel,
     caricature,
 )
-VERBS = (verb.Decompose(),)
-FORGET = (bands.forget_flows, spectrum.forget)
+VERBS = (verb.Decompose,)
+FORGET = (bands.flows.clear, spectrum.forget)

@@ -10,7 +10,6 @@ import numpy as np
 import spectral_tv
 
 from ..scene.applying import FOLLOWERS
-from ..scene.channels import actions_of
 from ..scene.contents import digest, topology_digest
 from ..scene.fingerprints import Likeness
 from ..scene.keeping import Band
@@ -28,6 +27,7 @@ from ..scene.records import (
 )
 from ..scene.shape_keys import key_shape
 from ..scene.surface import Surface, flattened, shape_of
+from ..scene.weights import group_named
 from . import recut
 from .methods import METHODS
 from .settings import Settings
@@ -46,7 +46,7 @@ class Flow:
 
 # Flows of this session, so that bands are cut anew without flowing again; the last few only,
 # as each holds all states. Objects that were decomposed as one share theirs.
-_flows: dict[str, Flow] = {}
+flows: dict[str, Flow] = {}
 MOST_FLOWS = 4
 # Values nearer than this are the same.
 VISIBLE = 1e-6
@@ -64,19 +64,13 @@ def base_shape(
         return None
     if settings.base == "FLAT":
         return flattened(surfaces[0])
-    return shape_of(surfaces, [_key_shape(obj, settings.base_key) for obj in objects])
-
-
-def _key_shape(obj: bpy.types.Object, name: str) -> np.ndarray:
-    """The shape that is seen of a key by itself, (V, 3) in object space."""
-    keys = obj.data.shape_keys
-    if keys is None or name not in keys.key_blocks:
-        raise Refusal(f"there is no shape key {name!r} to be the base")
-    shape = key_shape(keys.key_blocks[name])
-    broken = np.flatnonzero(~np.isfinite(shape).all(axis=1))
-    if len(broken):
-        raise Refusal(f"the shape key {name!r} is not finite at vertex {broken[0]}", broken)
-    return shape
+    name = settings.base_key
+    shapes = [key_shape(obj.data, name, "to be the base") for obj in objects]
+    for shape in shapes:
+        broken = np.flatnonzero(~np.isfinite(shape).all(axis=1))
+        if len(broken):
+            raise Refusal(f"the shape key {name!r} is not finite at vertex {broken[0]}", broken)
+    return shape_of(surfaces, shapes)
 
 
 def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[str, Any]]:
@@ -94,9 +88,8 @@ def prepare_together(
     """The same of objects that are decomposed as one surface."""
     if settings.complaint() is not None:
         raise Refusal(settings.complaint())
-    for obj in objects:
-        if settings.vertex_group and settings.vertex_group not in obj.vertex_groups:
-            raise Refusal(f"there is no vertex group {settings.vertex_group!r}")
+    for obj in objects if settings.vertex_group else ():
+        group_named(obj, settings.vertex_group)
     surfaces = read_surfaces(objects, settings)
     return surfaces, settings.arguments(surfaces[0].mesh, base_shape(objects, settings, surfaces))
 
@@ -104,7 +97,7 @@ def prepare_together(
 def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposition | None:
     """The flow of the same surface with the same arguments, if it is in memory."""
     source = _source(surface, arguments)
-    return next((flow.split for flow in _flows.values() if flow.source == source), None)
+    return next((flow.split for flow in flows.values() if flow.source == source), None)
 
 
 def add_bands(
@@ -127,15 +120,12 @@ def add_bands(
     record.method, record.settings = settings.method, settings.text()
     record.solo, record.area = 0, surface.mesh.area
     new_identity(obj, record)
-    record.spectrum.clear()
-    for time, strength in zip(split.times[1:-1], split.spectrum, strict=True):
-        sample = record.spectrum.add()
-        sample.time, sample.strength = time, strength
+    record.keep_spectrum(split.times[1:-1], split.spectrum)
     names = [band.name for band in bands]
     _record_bands(obj, record, names, names, edges)
-    _flows[record.identifier] = flow
-    while len({id(kept.split) for kept in _flows.values()}) > MOST_FLOWS:
-        del _flows[next(iter(_flows))]
+    flows[record.identifier] = flow
+    while len({id(kept.split) for kept in flows.values()}) > MOST_FLOWS:
+        del flows[next(iter(flows))]
     forget_stale()
     return names
 
@@ -147,15 +137,15 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
     Raises Refusal if the flow is no longer in memory or the mesh was changed since.
     """
     record = record_of(obj)
-    if record.identifier not in _flows:
+    if record.identifier not in flows:
         raise Refusal("its flow is no longer in memory; decompose it again")
     if topology_digest(obj.data) != record.topology:
         raise Refusal("its vertices or faces changed since; decompose it again")
-    flow = _flows[record.identifier]
+    flow = flows[record.identifier]
     edges = flow.split.band_edges(count)
     new = _add(obj, record, record.method, edges, flow)
     end_solo(obj)
-    there = keeping_of(record).all(obj)
+    there = keeping_of(record).all(obj.data)
     usual = _names(record.method, len(record.bands))
     old = []
     for band, (name, likeness), own in zip(record.bands, recognise_bands(obj), usual, strict=True):
@@ -170,7 +160,8 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
         for band in new:
             band.vertex_group = settings_of(record).vertex_group
     wanted = _names(record.method, count)
-    names, given = recut.take_place(obj, keeping_of(record), old, new, wanted, overlap)
+    change = recut.Recut(obj, keeping_of(record), old, new, wanted, overlap)
+    names, given = change.take_place()
     _record_bands(obj, record, names, given, edges)
     return names
 
@@ -189,7 +180,7 @@ def settings_as_taken(record: SpectralTVRecord) -> Settings:
     """
     taken = settings_of(record)
     shape = "BASIS" if taken.shape == "APPLIED" else taken.shape
-    steps = len(record.spectrum) + 1
+    steps = len(record.kept_spectrum) + 1
     return replace(taken, bands=len(record.bands), steps=steps, accuracy=0.0, shape=shape)
 
 
@@ -212,23 +203,19 @@ def set_values(obj: bpy.types.Object, values: list[float]) -> None:
 
 def _note_unseen(obj: bpy.types.Object, bands: list[Band]) -> None:
     """Note what keeps other values of bands from being seen, or from staying."""
-    keeping = keeping_of(record_of(obj))
-    block = keeping.animated(obj)
-    drivers = () if block.animation_data is None else block.animation_data.drivers
-    driven = {driver.data_path for driver in drivers}
-    keyed = {curve.data_path for animated in actions_of(block) for curve in animated.curves or ()}
-    paths = {keeping.path(band, "value"): band.name for band in bands}
-    for reason, names in (
-        ("muted", [band.name for band in bands if band.mute]),
+    animation_of = keeping_of(record_of(obj)).animation_of
+    for reason, is_so in (
+        ("muted", lambda band: band.mute),
         (
             "driven, and do what their drivers say",
-            [paths[each] for each in paths if each in driven],
+            lambda band: animation_of(band, "value") == "driven",
         ),
         (
             "keyframed; Keyframe keeps the new values",
-            [paths[each] for each in paths if each in keyed],
+            lambda band: animation_of(band, "value") == "keyed",
         ),
     ):
+        names = [band.name for band in bands if is_so(band)]
         if names:
             note(f"some of these bands are {reason}: {', '.join(names)}")
     if obj.show_only_shape_key and bands:
@@ -255,16 +242,6 @@ def follow(obj: bpy.types.Object) -> Callable[[], None]:
 
 
 FOLLOWERS.append(follow)
-
-
-def has_flow(identifier: str) -> bool:
-    """Whether the flow of a record is still in memory."""
-    return identifier in _flows
-
-
-def forget_flows() -> None:
-    """Free all flows."""
-    _flows.clear()
 
 
 def _source(surface: Surface, arguments: dict[str, Any]) -> str:

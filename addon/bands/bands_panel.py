@@ -14,8 +14,10 @@ from .take_bands import SPECTRAL_TV_OT_take_bands
 
 
 class BandsPanel(Sidebar):
-    """Shown once the active object has bands that still fit its mesh."""
+    """A sub-panel, shown once the active object has bands that still fit its mesh."""
 
+    bl_parent_id = "SPECTRAL_TV_PT_bands"
+    bl_options = {"DEFAULT_CLOSED"}
     is_split = False
 
     @classmethod
@@ -71,7 +73,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.template_icon(spectrum.icon(record), scale=7.6)
         column = row.column(align=True)
         column.label(text="Finest")
-        column.label(text=_length(record.spectrum[0].time, units))
+        column.label(text=_length(record.kept_spectrum[0, 0], units))
         column.separator(factor=3.5)
         column.label(text="Largest")
         column.label(text=_length(record.bands[-1].end, units))
@@ -87,7 +89,7 @@ class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
     """Common filters"""
 
     bl_label = "Filters"
-    bl_parent_id = "SPECTRAL_TV_PT_bands"
+    bl_options = set()
 
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         settings = context.scene.spectral_tv_filter
@@ -109,8 +111,6 @@ class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
     """A filter of any shape"""
 
     bl_label = "Filter Curve"
-    bl_parent_id = "SPECTRAL_TV_PT_bands"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def rows(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         node = filter_curve.find()
@@ -130,8 +130,6 @@ class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
     """Modifiers, which Blender does not apply to a mesh with shape keys"""
 
     bl_label = "Apply Modifiers"
-    bl_parent_id = "SPECTRAL_TV_PT_bands"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

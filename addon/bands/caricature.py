@@ -10,7 +10,6 @@ import spectral_tv
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..job.jobs import Chain, Seen, read_each, unchanged
 from ..job.operator import JobOperator
-from ..options import rows
 from ..options.declaring import choice, integer, number
 from ..options.properties import choices_of
 from ..scene.notes import about, note
@@ -18,7 +17,6 @@ from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from ..scene.whole import whole
 from .bands import add_bands, prepare, recall, set_values
-from .estimates import of_meshes
 from .gains import caricature_values
 from .methods import OF_THE_PAPER
 from .settings import STEPS, Settings
@@ -49,7 +47,7 @@ class CaricatureSettings:
     )  # fmt: skip
 
 
-CaricatureChoices = choices_of(CaricatureSettings)
+CaricatureChoices = choices_of(CaricatureSettings, "method", "range", "amount")
 
 
 class SpectralTVCaricature(CaricatureChoices, bpy.types.PropertyGroup):
@@ -121,12 +119,10 @@ class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
 
     bl_label = "Caricature"
     bl_order = 2
-
-    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        rows.draw(layout, context.scene.spectral_tv_caricature, "method", "range", "amount")
+    kept = "spectral_tv_caricature"
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_caricature
         settings = Settings(method=choices.method, steps=choices.steps)
-        draw_selection(layout, context, "filter", partial(of_meshes, settings))
+        draw_selection(layout, context, "filter", settings.needs)
         draw_button(layout, SPECTRAL_TV_OT_caricature, "OUTLINER_OB_ARMATURE", choices)

@@ -9,7 +9,6 @@ from bpy.props import BoolProperty
 
 from ..job.jobs import Seen
 from ..job.operator import JobOperator
-from ..options import rows
 from ..scene import applied
 from ..scene.notes import note
 from ..scene.objects import Refusal, distinct_meshes
@@ -67,11 +66,6 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
         bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
         as_one = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
         return f"{bands} of {self.settings().by.key_label} added{as_one}"
-
-    def draw(self, _context: bpy.types.Context) -> None:
-        """Lay out Adjust Last Operation."""
-        self.layout.use_property_split = True
-        rows.draw(self.layout, self, "method shape")
 
 
 def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:

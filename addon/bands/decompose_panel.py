@@ -8,7 +8,6 @@ from ..job import jobs
 from ..options import rows
 from ..scene.objects import refusal, selected_meshes
 from .decompose import SPECTRAL_TV_OT_decompose
-from .estimates import of_meshes
 from .shapes import remarks
 
 
@@ -35,7 +34,7 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
             settings = choices.settings()
             for text in remarks(obj, settings):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
-            draw_needs(layout, context, of_meshes(settings, len(obj.data.vertices)))
+            draw_needs(layout, context, settings.needs(len(obj.data.vertices)))
         draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
         if reason is None and len(selected_meshes(context)) > 1:
             together = draw_button(

@@ -10,7 +10,14 @@ from ..options.declaring import Only, choice, integer, name_of, number, options_
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from . import filter_curve
-from .gains import PRESETS, curve_values, idle_reason, preset_values, usual_band
+from .gains import (
+    PRESETS,
+    curve_values,
+    idle_reason,
+    preset_values,
+    too_few_steps,
+    usual_band,
+)
 
 FILTERS = (
     *(preset for preset in PRESETS if preset[0] != "RESET"),
@@ -28,7 +35,10 @@ IN_BANDS = Only("result", ["FILTER", "BANDS"])
 
 @dataclass(frozen=True)
 class FilterSettings:
-    """The number of bands, of steps, and what happens to the bands."""
+    """The number of bands, of steps, and what happens to the bands.
+
+    A subclass has a ``result``, and the sizes ``finest`` and ``largest``.
+    """
 
     bands: int = integer(
         "Bands", "Number of bands, finest first", 5, 1, 32, applies=IN_BANDS, place="bands"
@@ -70,6 +80,17 @@ class FilterSettings:
         place="filter", argument=""
     )  # fmt: skip
 
+    def check(self) -> None:
+        """Raise Refusal if numbers, sizes or gains of bands make no sense."""
+        if not IN_BANDS.holds(self):
+            return
+        if (reason := too_few_steps(self.bands, self.steps)) is not None:
+            raise Refusal(reason)
+        if self.finest >= self.largest:
+            raise Refusal("the finest size is not below the largest")
+        if FILTERED.holds(self):
+            filter_values(self)
+
 
 def filter_values(choice: FilterSettings) -> list[float]:
     """The multiple of each band that the filter adds: −1 removes the band.
@@ -77,16 +98,15 @@ def filter_values(choice: FilterSettings) -> list[float]:
     A filter that changes nothing is noted. Raises Refusal if the gains are not one number per band,
     or there is no curve.
     """
-    values = _values(choice)
+    which = choice.preset, choice.bands, choice.first, choice.last, choice.amount
+    values = preset_values(*which) if UNDER.holds(choice) else _values(choice)
     if choice.keep_rest and not any(values):
-        range_ = choice.bands, choice.first, choice.last, choice.amount
-        is_preset = choice.preset not in ("GAINS", "CURVE")
-        reason = idle_reason(choice.preset, *range_) if is_preset else None
-        note(reason or KEEPS_ALL)
+        note((UNDER.holds(choice) and idle_reason(*which)) or KEEPS_ALL)
     return values
 
 
 def _values(choice: FilterSettings) -> list[float]:
+    """Those of single gains, or of the curve."""
     if choice.preset == "GAINS":
         try:
             gains = [float(word) for word in choice.gains.replace(",", " ").split()]
@@ -95,12 +115,10 @@ def _values(choice: FilterSettings) -> list[float]:
         if len(gains) != choice.bands or not np.isfinite(gains).all():
             raise Refusal(f"{choice.bands} bands need as many gains, not {choice.gains!r}")
         return [gain - 1 for gain in gains]
-    if choice.preset == "CURVE":
-        node = filter_curve.find()
-        if node is None:
-            raise Refusal("there is no filter curve")
-        return curve_values(lambda position: filter_curve.evaluate(node, position), choice.bands)
-    return preset_values(choice.preset, choice.bands, choice.first, choice.last, choice.amount)
+    node = filter_curve.find()
+    if node is None:
+        raise Refusal("there is no filter curve")
+    return curve_values(lambda position: filter_curve.evaluate(node, position), choice.bands)
 
 
 def sidebar_band(end: str) -> Any:

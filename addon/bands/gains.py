@@ -12,9 +12,14 @@ PRESETS = (
 )
 
 
+def too_few_steps(bands: int, steps: int) -> str | None:
+    """Why there can be no such number of bands, for the user; None if there can."""
+    return f"{bands} bands need more than {steps} steps" if bands >= steps else None
+
+
 def preset_values(preset: str, count: int, first: int, last: int, amount: float) -> list[float]:
     """Values of ``count`` bands, the chosen ones being ``first`` to ``last``, counted from 1."""
-    first, last = sorted((min(first, count), min(last, count)))
+    first, last = _ends(count, first, last)
     rules: dict[str, Callable[[int], float]] = {
         "LOW_PASS": lambda band: -1.0 if band < first else 0.0,
         "HIGH_PASS": lambda band: -1.0 if band > last else 0.0,
@@ -40,22 +45,20 @@ def idle_reason(preset: str, count: int, first: int, last: int, amount: float) -
     if preset == "RESET" or any(preset_values(preset, count, first, last, amount)):
         return None
     label = next(label for name, label, _ in PRESETS if name == preset)
-    first, last = sorted((min(first, count), min(last, count)))
-    return (
-        f"{label} changes nothing: "
-        + {
-            "LOW_PASS": f"no band is finer than band {first}",
-            "HIGH_PASS": f"no band is coarser than band {last}",
-            "BAND_PASS": "all bands are chosen",
-            "EXAGGERATE": "the amount is 0",
-        }[preset]
-    )
+    first, last = _ends(count, first, last)
+    reasons = {
+        "LOW_PASS": f"no band is finer than band {first}",
+        "HIGH_PASS": f"no band is coarser than band {last}",
+        "BAND_PASS": "all bands are chosen",
+        "EXAGGERATE": "the amount is 0",
+    }
+    return f"{label} changes nothing: {reasons[preset]}"
 
 
 def caricature_values(count: int, first: int, last: int, amount: float, smooth: int) -> list[float]:
     """Values that amplify the chosen bands and remove the ``smooth`` finest of the others."""
     values = preset_values("EXAGGERATE", count, first, last, amount)
-    first, last = sorted((min(first, count), min(last, count)))
+    first, last = _ends(count, first, last)
     for band in range(1, min(smooth, count) + 1):
         if not first <= band <= last:
             values[band - 1] = -1.0
@@ -65,3 +68,7 @@ def caricature_values(count: int, first: int, last: int, amount: float, smooth: 
 def curve_values(curve: Callable[[float], float], count: int) -> list[float]:
     """Values of ``count`` bands from a filter H over [0, 1], finest to largest."""
     return [curve((band + 0.5) / count) - 1.0 for band in range(count)]
+
+
+def _ends(count: int, first: int, last: int) -> list[int]:
+    return sorted((min(first, count), min(last, count)))

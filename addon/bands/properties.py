@@ -8,7 +8,7 @@ from .filtering import FilterSettings, SidebarFilter
 from .gains import usual_band
 from .settings import Settings
 
-DecompositionChoices = choices_of(Settings)
+DecompositionChoices = choices_of(Settings, "method shape")
 
 
 class SpectralTVScene(sidebar_of(Settings), bpy.types.PropertyGroup):

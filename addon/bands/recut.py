@@ -84,88 +84,73 @@ class Former:
     given: str
 
 
-def take_place(
-    obj: bpy.types.Object,
-    keeping: Keeping,
-    former: Sequence[Former],
-    new: Sequence[Band],
-    names: Sequence[str],
-    overlap: Overlap,
-) -> tuple[list[str], list[str]]:
-    """Have new bands take the place of old ones; returns their present names, and the names given.
+class Recut:
+    """New bands in the place of old ones.
 
     A new band with the same components as an old one gets that one's name. Others get those of
     ``names``, if they are free.
     """
-    there = keeping.all(obj)
-    old = [each.band for each in former]
-    gone = [None if each.stays else each.band for each in former]
-    carrier = _Carrier(keeping, obj, former, new, names, overlap)
-    carrier.carry()
-    carrier.tell_names()
-    active = list(_active_keys(obj, gone, new, overlap))
-    place = min((there.find(band.name) for band in gone if band is not None), default=None)
-    successors = {
-        band.name: new[successor]
-        for index, band in enumerate(gone)
-        if band is not None and (successor := overlap.successor(index)) is not None
-    }
-    for band in old:
-        if band is not None and band not in gone:
-            band.mute = True
-    for band in gone:
-        if band is not None:
-            keeping.remove(obj, band)
-    for band, name in zip(new, carrier.names, strict=True):
-        band.name = free_name(name, "", {other.name for other in there if other != band})
-    retarget_drivers(obj.data, {name: band.name for name, band in successors.items()})
-    for index, band in enumerate(new if place is not None else ()):
-        keeping.move(obj, band, place + index)
-    for user, band in active:
-        user.active_shape_key_index = there.find(band.name)
-    given = [
-        band.name if name in names else former[overlap.equal(index)].given
-        for index, (band, name) in enumerate(zip(new, carrier.names, strict=True))
-    ]
-    return [band.name for band in new], given
-
-
-def _active_keys(
-    obj: bpy.types.Object, gone: Sequence[Band | None], new: Sequence[Band], overlap: Overlap
-) -> Iterator[tuple[bpy.types.Object, Band]]:
-    """The key that will be the active one of each object that has the mesh."""
-    for user in bpy.data.objects:
-        key = user.active_shape_key if user.data == obj.data else None
-        if key is not None:
-            successor = overlap.successor(gone.index(key)) if key in gone else None
-            yield user, key if successor is None else new[successor]
-
-
-class _Carrier:
-    """Carries what is set of the old bands over to the new ones."""
 
     def __init__(
         self,
-        keeping: Keeping,
         obj: bpy.types.Object,
+        keeping: Keeping,
         former: Sequence[Former],
         new: Sequence[Band],
         names: Sequence[str],
         overlap: Overlap,
     ) -> None:
         """Take the old and the new bands, and the names of these."""
-        self.block, self.path = keeping.animated(obj), keeping.path
-        self.former, self.old = former, [each.band for each in former]
-        self.new, self.parts = new, overlap.parts
+        self.obj, self.keeping, self.former, self.new = obj, keeping, former, new
+        self.block, self.path = keeping.animated(obj.data), keeping.path
+        self.old, self.parts = [each.band for each in former], overlap.parts
         self.mixed: list[str] = []
-        self.successors = [overlap.successor(band) for band in range(len(former))]
+        self.heirs = [overlap.successor(band) for band in range(len(former))]
         equals = [overlap.equal(band) for band in range(len(new))]
+        self.twins = [None if equal is None else former[equal] for equal in equals]
         self.names = [
-            name if equal is None or self.old[equal] is None else self.old[equal].name
-            for name, equal in zip(names, equals, strict=True)
+            name if twin is None or twin.band is None else twin.band.name
+            for name, twin in zip(names, self.twins, strict=True)
         ]
+        self.usual = names
 
-    def carry(self) -> None:
+    def take_place(self) -> tuple[list[str], list[str]]:
+        """Have them take it; returns their present names, and the names that they were given."""
+        obj, there = self.obj, self.keeping.all(self.obj.data)
+        self._carry()
+        gone, heirs = [], {}
+        for each, heir in zip(self.former, self.heirs, strict=True):
+            if each.band is not None and each.stays:
+                each.band.mute = True
+            elif each.band is not None:
+                name = each.band.name
+                gone.append(name)
+                if heir is not None:
+                    heirs[name] = self.new[heir]
+                    if name not in (each.given, *self.names):
+                        note(f"{name!r} went into {self.names[heir]!r}")
+        active = [
+            (user, heirs.get(user.active_shape_key.name, user.active_shape_key))
+            for user in bpy.data.objects
+            if user.data == obj.data and user.active_shape_key is not None
+        ]
+        place = min(map(there.find, gone), default=None)
+        for name in gone:
+            self.keeping.remove(obj, there[name])
+        for band, name in zip(self.new, self.names, strict=True):
+            band.name = free_name(name, "", {other.name for other in there if other != band})
+        retarget_drivers(obj.data, {name: band.name for name, band in heirs.items()})
+        for index, band in enumerate(self.new if place is not None else ()):
+            self.keeping.move(obj, band, place + index)
+        for user, band in active:
+            user.active_shape_key_index = there.find(band.name)
+        given = [
+            band.name if name in self.usual else twin.given
+            for band, name, twin in zip(self.new, self.names, self.twins, strict=True)
+        ]
+        return [band.name for band in self.new], given
+
+    def _carry(self) -> None:
         """Set the new keys, and animate and drive them."""
         for animated in self._animated():
             for band in range(len(self.new)):
@@ -175,14 +160,6 @@ class _Carrier:
             self._carry_drivers(band)
         if self.mixed:
             note(f"the mean of other values, so that the shape is another: {', '.join(self.mixed)}")
-
-    def tell_names(self) -> None:
-        """Note which names that the user gave are gone."""
-        for each, successor in zip(self.former, self.successors, strict=True):
-            if each.band is None or each.stays or successor is None:
-                continue
-            if each.band.name not in (each.given, *self.names):
-                note(f"{each.band.name!r} went into {self.names[successor]!r}")
 
     def _former(self, band: int) -> list[int]:
         """Old bands that a new one has parts of, the largest part first."""

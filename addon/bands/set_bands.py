@@ -2,14 +2,16 @@
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import EnumProperty, IntProperty
 
 from ..job.operator import ChangeOperator
+from ..options.properties import property_of
 from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import bands_of, keeping_of, record_of, renew_bands, topology_changed
 from . import filter_curve
-from .bands import cut_again, has_flow, set_values
+from .bands import cut_again, flows, set_values
+from .filtering import FilterSettings
 from .gains import PRESETS, curve_values, idle_reason, preset_values
 from .solo import toggle_solo
 
@@ -53,12 +55,9 @@ class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
     bl_label = "Filter"
 
     preset: EnumProperty(name="Filter", items=PRESETS, default="LOW_PASS")
-    first: IntProperty(name="First Band", description="1 is the finest", default=3, min=1)
-    last: IntProperty(name="Last Band", description="1 is the finest", default=3, min=1)
-    amount: FloatProperty(
-        name="Amount", description="How much is added to the chosen bands: 1 doubles them",
-        default=1, soft_min=-1, soft_max=4
-    )  # fmt: skip
+    first: property_of(FilterSettings, "first")
+    last: property_of(FilterSettings, "last")
+    amount: property_of(FilterSettings, "amount")
 
     @classmethod
     def description(cls, _context, properties) -> str:
@@ -115,7 +114,7 @@ class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         keys = [key for key in bands_of(obj) if key is not None]
         frame, keyframe = context.scene.frame_current, keeping_of(record_of(obj)).keyframe
-        failed = [key.name for key in keys if not keyframe(key, frame)]
+        failed = [key.name for key in keys if not keyframe(key, "value", frame)]
         if failed:
             told = (
                 f"Blender inserts no keyframes for {', '.join(failed)}: their animation is linked "
@@ -192,7 +191,7 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
         reason = super().refusal(context)
-        if reason is None and not has_flow(record_of(context.active_object).identifier):
+        if reason is None and record_of(context.active_object).identifier not in flows:
             return "The flow is no longer in memory; decompose the mesh again"
         return reason
 

@@ -9,7 +9,9 @@ import numpy as np
 import spectral_tv
 from spectral_tv import DEFAULTS
 
+from ..job.estimates import Needs, total
 from ..options.declaring import Only, choice, integer, keywords, name_of, number, share, switch
+from .gains import too_few_steps
 from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
 
 BASES = (
@@ -80,14 +82,14 @@ class Settings:
     finest: float = share(
         "Finest",
         "Size of the finest detail to tell apart, relative to the object's size", 0, 0, 50,
-        soft_least=0.01, digits=2, switch=SCALES, own="own_finest", applies=WITH_BANDS,
-        place="scales"
+        soft_least=0.01, digits=2, switch=SCALES,
+        own=lambda asked: math.sqrt(asked.own_scales()[0]), applies=WITH_BANDS, place="scales"
     )  # fmt: skip
     largest: float = share(
         "Largest",
         "Size of the largest features that bands hold, relative to the object's size. What is "
         "larger stays in the low-pass", 0, 0, 100, soft_least=0.02, digits=2, switch=SCALES,
-        own="own_largest", applies=WITH_BANDS, place="scales"
+        own=lambda asked: math.sqrt(asked.own_scales()[1]), applies=WITH_BANDS, place="scales"
     )  # fmt: skip
     base: str = choice(
         "Base",
@@ -99,8 +101,8 @@ class Settings:
         "Size of the features that vanish from the base, relative to the object's size", 0, 0, 50,
         soft_least=0.1, digits=1,
         switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
-        own="own_base_amount", applies=(WITH_BASE, Only("base", ["FLOW"])), place="base",
-        refused=True
+        own=lambda _asked: math.sqrt(spectral_tv.default_base_time()),
+        applies=(WITH_BASE, Only("base", ["FLOW"])), place="base", refused=True
     )  # fmt: skip
     base_key: str = name_of(
         "Shape Key", "The shape key that is the base", search="key_blocks",
@@ -160,9 +162,7 @@ class Settings:
 
     def complaint(self) -> str | None:
         """What is wrong with the numbers of bands and steps; None if nothing is."""
-        if self.band_count < self.least_steps:
-            return None
-        return f"{self.bands} bands need more than {self.least_steps} steps"
+        return too_few_steps(self.band_count, self.least_steps)
 
     def arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
         """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
@@ -190,28 +190,19 @@ class Settings:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
 
+    def needs(self, *counts: int) -> Needs:
+        """What decomposing meshes of so many vertices takes."""
+        how = {**self.method_arguments(None, None), **keywords(self), "steps": self.steps}
+        found = [spectral_tv.estimate(count, **how) for count in counts]
+        return total(found, is_least=self.is_adaptive)
+
     def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
         """The times of the finest and of the largest scale, length²."""
-        pairs = zip((self.finest, self.largest), self._own_scales(), strict=True)
+        pairs = zip((self.finest, self.largest), self.own_scales(), strict=True)
         # A feature of the size l vanishes at a time of the order of l squared.
         finest, largest = (mesh.area * (size**2 or own) for size, own in pairs)
         return finest, largest
 
-    @property
-    def own_finest(self) -> float:
-        """What a finest size of 0 stands for."""
-        return math.sqrt(self._own_scales()[0])
-
-    @property
-    def own_largest(self) -> float:
-        """What a largest size of 0 stands for."""
-        return math.sqrt(self._own_scales()[1])
-
-    @property
-    def own_base_amount(self) -> float:
-        """What a base amount of 0 stands for."""
-        return math.sqrt(spectral_tv.default_base_time())
-
-    def _own_scales(self) -> tuple[float, float]:
+    def own_scales(self) -> tuple[float, float]:
         """Those of the method, relative to the area."""
         return spectral_tv.default_scales(self.by.package, self.eigenpairs)

@@ -1,6 +1,7 @@
 """Which shape of an object is decomposed, and what the user is told about it."""
 
 from collections.abc import Sequence
+from itertools import chain
 
 import bpy
 import numpy as np
@@ -29,7 +30,8 @@ def read_surfaces(
         return [Surface.read_applied(objects[0], _reading(settings))]
     aside = [_base(obj, settings) for obj in objects]
     if without_bands:
-        aside = [[*keys, *_bands(obj)] for keys, obj in zip(aside, objects, strict=True)]
+        banded = [obj for obj in objects if record_of(obj) is not None]
+        aside = [[*keys, *chain.from_iterable(map(bands_of, banded))] for keys in aside]
     else:
         for obj in objects:
             for text in remarks(obj, settings):
@@ -83,11 +85,6 @@ def _shape(
 
 def _base(obj: bpy.types.Object, settings: Settings) -> list[bpy.types.ShapeKey]:
     """The key that detail is measured from, if one is: it is no part of what has the detail."""
-    keys = obj.data.shape_keys
-    if keys is None or not settings.by.takes("base") or settings.base != "KEY":
-        return []
-    return [key for key in keys.key_blocks if key.name == settings.base_key]
-
-
-def _bands(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
-    return [key for key in bands_of(obj) if key] if record_of(obj) is not None else []
+    is_key = settings.by.takes("base") and settings.base == "KEY"
+    key = mix.keys_of(obj.data).get(settings.base_key) if is_key else None
+    return [] if key is None else [key]

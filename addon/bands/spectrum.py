@@ -52,8 +52,8 @@ def picture(record: SpectralTVRecord) -> np.ndarray:
     Components are spaced evenly, as the bands hold equal numbers of them; the square root of
     their strength keeps fine detail visible beside large features.
     """
-    strengths = np.sqrt([sample.strength for sample in record.spectrum])
-    times = np.array([sample.time for sample in record.spectrum])
+    times, strengths = record.kept_spectrum.T
+    strengths = np.sqrt(strengths)
     starts = np.array([band.start for band in record.bands])
     edges = np.arange(len(times) + 1) * SIDE // len(times)
     band_of = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)

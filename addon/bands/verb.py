@@ -10,7 +10,7 @@ from ..command_line.formats import BLEND, FORMATS
 from ..command_line.frames import all_or_frames, frames_of, treat_frames
 from ..command_line.load import freeze
 from ..command_line.progress import progress
-from ..command_line.verb import Job, Task, Verb
+from ..command_line.verb import Verb
 from ..options.arguments import add_arguments as add_options
 from ..options.arguments import complaint
 from ..scene import applied
@@ -40,8 +40,10 @@ All other formats hold the filtered shape."""
 
     options = Settings
 
-    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+    @classmethod
+    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
         """Declare what is split off, and how it is filtered."""
+        super().add_arguments(parser)
         add_options(parser, Settings)
         add = parser.add_argument
         add(
@@ -58,65 +60,57 @@ All other formats hold the filtered shape."""
         )
         add_gains(parser)
 
-    def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
+    def complaint(self) -> str | None:
         """What is wrong with them together."""
-        asked = self.settings(choices)
-        if 0 < asked.largest <= asked.finest:
+        asked, reason = self.asked, super().complaint()
+        if reason is None and 0 < asked.largest <= asked.finest:
             return "--largest has to be larger than --finest"
-        reason = complaint(choices, Settings, asked) or asked.complaint()
-        return reason or complaint_of_gains(choices, asked.band_count)
+        reason = reason or complaint(self.choices, Settings, asked) or asked.complaint()
+        return reason or complaint_of_gains(self.choices, asked.band_count)
 
-    def treat_all(
-        self, objects: list[bpy.types.Object], choices: argparse.Namespace, job: Job
-    ) -> None:
+    def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Give objects their bands; over frames, have them play their filtered shapes."""
-        if choices.frames is None:
-            freeze(job.read, "; --frames all takes each as it is seen")
-            self.treat_groups(objects, choices, job)
+        if self.choices.frames is None:
+            freeze(self.read, "; --frames all takes each as it is seen")
+            self.treat_groups(objects)
             return
-        frames = frames_of(choices.frames, job.read)
 
         def treat(copies: list[bpy.types.Object], frame: int) -> None:
-            self.treat_groups(copies, choices, job, f", frame {frame}")
+            self.treat_groups(copies, f", frame {frame}")
 
-        treat_frames(objects, frames, treat)
+        treat_frames(objects, frames_of(self.choices.frames, self.read), treat)
 
-    def groups(
-        self, objects: list[bpy.types.Object], choices: argparse.Namespace
-    ) -> list[list[bpy.types.Object]]:
+    def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         """The objects, those together whose open edges meet."""
-        if choices.apart:
-            return super().groups(objects, choices)
-        found = groups(objects, self.settings(choices))
+        if self.choices.apart:
+            return super().groups(objects)
+        found = groups(objects, self.asked)
         for group in found:
             if len(group) > 1:
                 names = ", ".join(obj.name for obj in group)
                 note(f"{names} are split as one, as their open edges meet; --apart splits each")
         return found
 
-    def treat(
-        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
-    ) -> None:
+    def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         """Give objects their bands."""
-        asked = self.settings(choices)
+        asked, choices = self.asked, self.choices
         if asked.shape == "APPLIED":
             for obj in objects:
                 applied.apply(obj)
         values = band_values(choices, asked.band_count)
         is_filtered = bool(choices.gains) or choices.curve is not None
-        if not any(values) and (is_filtered or not _holds_bands(task)):
+        if not any(values) and (is_filtered or not self._holds_bands()):
             note(KEEPS_ALL)
         surfaces, arguments = prepare_together(objects, asked)
-        with progress(task.label) as show:
+        with progress(label) as show:
             split = spectral_tv.decompose(surfaces[0].mesh, **arguments, progress=show)
         for obj, surface in zip(objects, surfaces, strict=True):
             add_bands(obj, asked, surface, arguments, split)
             set_values(obj, values)
 
-
-def _holds_bands(task: Task) -> bool:
-    """Whether bands can still be dialled in what is written."""
-    if task.file is None:
-        return False
-    suffix = task.file.suffix.lower()
-    return suffix == BLEND or FORMATS[suffix].keys
+    def _holds_bands(self) -> bool:
+        """Whether bands can still be dialled in what is written."""
+        if self.file is None:
+            return False
+        suffix = self.file.suffix.lower()
+        return suffix == BLEND or FORMATS[suffix].keys

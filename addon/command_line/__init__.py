@@ -10,7 +10,7 @@ from . import signals, streams
 from .verb import Command
 
 NAME = "spectral_tv"
-_verbs: list[Command] = []
+_verbs: list[type[Command]] = []
 
 
 def run(arguments: list[str]) -> int:
@@ -39,15 +39,15 @@ def _run(arguments: list[str]) -> int:
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for verb in _verbs:
-        verb.add_parser(commands)
+        verb.add_to(commands)
     choices = parser.parse_args(arguments)
-    return choices.run(choices)
+    return choices.run(choices).run()
 
 
 _handle = None
 
 
-def register(verbs: Sequence[Command]) -> None:
+def register(verbs: Sequence[type[Command]]) -> None:
     """Make the command, with these verbs, known to Blender."""
     _verbs[:] = verbs
     global _handle  # noqa: PLW0603 - it lives as long as the module

@@ -2,19 +2,14 @@
 
 import argparse
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from ..files.names import file_keys
 from ..scene.objects import Refusal
-from .formats import exportable, importable
+from .formats import exportable
 
 EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"
-
-
-def epilog(examples: str) -> str:
-    """What a verb's help ends with."""
-    reads, writes = " ".join(importable()), " ".join(exportable())
-    return f"reads:  {reads}\nwrites: {writes}\n\nexamples:\n{examples}\n\n{EXIT_CODES}"
 
 
 def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> None:
@@ -73,16 +68,24 @@ def complaint(choices: argparse.Namespace) -> str | None:
     """What is wrong with the arguments together; None if nothing is."""
     if choices.output is None and choices.render is None:
         return "say where the result goes: -o, --render or both"
+    places = (("-o", choices.output), ("--render", choices.render))
+    return complaint_of_places(choices, places) or _complaint_of_targets(choices)
+
+
+def complaint_of_places(
+    choices: argparse.Namespace, places: Iterable[tuple[str, Path | None]]
+) -> str | None:
+    """What is wrong with the files or folders to write to, by their arguments."""
     if choices.format is not None and not (choices.output and is_folder(choices.output)):
         return "--format goes with -o and a folder that exists"
-    for name, place in (("-o", choices.output), ("--render", choices.render)):
+    for name, place in places:
         if place is None or is_folder(place):
             continue
         if len(choices.inputs) > 1:
             return f"several inputs need a folder that exists: {name} {place}"
         if not is_folder(place.parent):
             return f"there is no folder {place.parent}"
-    return _complaint_of_targets(choices)
+    return None
 
 
 def outputs(choices: argparse.Namespace, source: Path) -> tuple[Path | None, Path | None]:

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..scene.animation import curves_of
 from ..scene.arrays import numbers
+from ..scene.channels import drivers_of
+from ..scene.mix import keys_of
 from .formats import APPLIED, HOLDS, NO
 
 CURVES = ("CURVE", "SURFACE", "FONT", "META", "CURVES")
@@ -49,25 +51,25 @@ def _of_object(obj: bpy.types.Object) -> Iterator[Thing]:
     elif obj.type == "LIGHT":
         yield Thing("lights", name, name)
     elif obj.type in CURVES:
-        yield Thing("curves", name, name, obj.type)
+        yield Thing("curves, texts", name, name, obj.type)
     elif obj.type not in PLAIN:
-        yield Thing("others", name, name)
+        yield Thing("other objects", name, name)
     if obj.parent is not None:
         yield Thing("parents", name, obj.parent.name)
     for collection in obj.users_collection:
         if collection in bpy.context.scene.collection.children_recursive:
             yield Thing("collections", name, collection.name)
     for key in own_properties(obj):
-        yield Thing("properties", name, key)
+        yield Thing("custom properties", name, key)
     if is_animated(obj):
         yield Thing("animation", name, name, "shape" if has_moving_shape(obj) else "")
 
 
 def _of_mesh(obj: bpy.types.Object) -> Iterator[Thing]:
     mesh, name = obj.data, obj.name
-    yield Thing("objects", name, name)
-    yield Thing("names", name, name)
-    for kind, layers in (("colors", color_layers(mesh)), ("uvs", uv_layers(mesh))):
+    yield Thing("objects apart", name, name)
+    yield Thing("object names", name, name)
+    for kind, layers in (("vertex colors", color_layers(mesh)), ("UV maps", uv_layers(mesh))):
         for layer in layers:
             yield Thing(kind, name, layer.name, getattr(layer, "data_type", ""))
     for material in filter(None, mesh.materials):
@@ -75,22 +77,22 @@ def _of_mesh(obj: bpy.types.Object) -> Iterator[Thing]:
         for image in images(material.node_tree):
             yield Thing("textures", name, image.name)
     if mesh.has_custom_normals:
-        yield Thing("normals", name, name)
+        yield Thing("custom normals", name, name)
     for attribute in own_attributes(mesh):
-        yield Thing("attributes", name, attribute.name, attribute.domain)
+        yield Thing("custom attributes", name, attribute.name, attribute.domain)
     for group in obj.vertex_groups if not armatures(obj) else ():
-        yield Thing("groups", name, group.name)
-    for key in mesh.shape_keys.key_blocks[1:] if mesh.shape_keys is not None else ():
-        yield Thing("keys", name, key.name)
+        yield Thing("vertex groups", name, group.name)
+    for key in list(keys_of(mesh).keys())[1:]:
+        yield Thing("shape keys", name, key)
     for modifier in obj.modifiers:
         if modifier.show_viewport:
             kind = "armatures" if modifier.type == "ARMATURE" else "modifiers"
             yield Thing(kind, name, modifier.name)
     edges, points = loose(mesh)
     for kind, what, count in (
-        ("polygons", name, larger_polygons(mesh)),
-        ("loose", "edges", edges),
-        ("loose", "points", points),
+        ("quads, n-gons", name, int((numbers(mesh.polygons, "loop_total") > 3).sum())),
+        ("loose edges, points", "edges", edges),
+        ("loose edges, points", "points", points),
     ):
         if count:
             yield Thing(kind, name, what, count=count)
@@ -145,35 +147,27 @@ def has_moving_shape(obj: bpy.types.Object) -> bool:
     """Whether modifiers move the vertices of an object as frames go by."""
     if any(item.type in MOVING and item.show_viewport for item in obj.modifiers):
         return True
-    animation = obj.animation_data
-    if animation is None:
-        return False
-    curves = [*animation.drivers, *(curves_of(obj) or ())]
+    curves = [*drivers_of(obj), *(curves_of(obj) or ())]
     return any(curve.data_path.startswith("modifiers[") for curve in curves)
 
 
 def _has_animation(data: bpy.types.ID | None) -> bool:
-    animation = getattr(data, "animation_data", None)
-    return animation is not None and bool(
-        animation.action is not None or animation.nla_tracks or animation.drivers
-    )
+    found = getattr(data, "animation_data", None)
+    return found is not None and bool(found.action or found.nla_tracks or found.drivers)
+
+
+def image_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
+    """The nodes with images in a tree of nodes and in the groups in it."""
+    for node in tree.nodes if tree is not None else ():
+        if node.type == "TEX_IMAGE" and node.image is not None:
+            yield node
+        elif node.type == "GROUP":
+            yield from image_nodes(node.node_tree)
 
 
 def images(tree: bpy.types.NodeTree | None) -> list[bpy.types.Image]:
-    """The images in a tree of nodes and in the groups in it."""
-    found: list[bpy.types.Image] = []
-    for node in tree.nodes if tree is not None else ():
-        if node.type == "TEX_IMAGE" and node.image is not None:
-            found.append(node.image)
-        elif node.type == "GROUP":
-            found += images(node.node_tree)
-    return list(dict.fromkeys(found))
-
-
-def larger_polygons(mesh: bpy.types.Mesh) -> int:
-    """How many polygons have more than three corners."""
-    sizes = numbers(mesh.polygons, "loop_total")
-    return int((sizes > 3).sum())
+    """The images of these."""
+    return list(dict.fromkeys(node.image for node in image_nodes(tree)))
 
 
 def loose(mesh: bpy.types.Mesh) -> tuple[int, int]:
@@ -192,5 +186,4 @@ def loose_edges(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def _edges(mesh: bpy.types.Mesh) -> np.ndarray:
-    ends = numbers(mesh.edges, "vertices", 2)
-    return ends.reshape(-1, 2)
+    return numbers(mesh.edges, "vertices", 2).reshape(-1, 2)

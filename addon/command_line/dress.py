@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ..files.srgb import decoded, encoded
-from ..scene.arrays import corner_vertices, numbers
+from ..scene.arrays import corner_vertices, means, numbers
 from .contents import color_layers, own_attributes
 from .formats import FORMATS
 
@@ -40,8 +40,9 @@ def _for_gltf(mesh: bpy.types.Mesh) -> None:
 def _with_bytes(mesh: bpy.types.Mesh) -> None:
     """Colors are written where they are bytes on face corners."""
     for name in [layer.name for layer in color_layers(mesh)]:
-        values = _on_corners(
-            mesh, _colors(mesh.color_attributes[name]), mesh.color_attributes[name]
+        layer = mesh.color_attributes[name]
+        values = (
+            _colors(layer) if layer.domain == "CORNER" else _colors(layer)[corner_vertices(mesh)]
         )
         _replace(mesh, name, "BYTE_COLOR", "CORNER", values)
 
@@ -53,7 +54,7 @@ def _for_ply(mesh: bpy.types.Mesh) -> None:
     if not layers:
         return
     (layer,) = layers
-    values = _on_vertices(mesh, _colors(layer), layer)
+    values = _on_vertices(mesh, layer)
     levels = np.round(255 * np.column_stack([encoded(values[:, :3].clip(0, 1)), values[:, 3]]))
     shifted = (levels + 0.25) / 255
     values = np.column_stack([decoded(shifted[:, :3]), shifted[:, 3]])
@@ -82,21 +83,15 @@ def _colors(layer: bpy.types.Attribute) -> np.ndarray:
     return flat.reshape(-1, 4).astype(np.float64)
 
 
-def _on_corners(mesh: bpy.types.Mesh, values: np.ndarray, layer: bpy.types.Attribute) -> np.ndarray:
-    return values if layer.domain == "CORNER" else values[corner_vertices(mesh)]
-
-
-def _on_vertices(
-    mesh: bpy.types.Mesh, values: np.ndarray, layer: bpy.types.Attribute
-) -> np.ndarray:
-    """Values of vertices: where corners have them, their means."""
+def _on_vertices(mesh: bpy.types.Mesh, layer: bpy.types.Attribute) -> np.ndarray:
+    """Colors of vertices: where corners have them, their means."""
+    values = _colors(layer)
     if layer.domain == "POINT":
         return values
-    corners, count = corner_vertices(mesh), len(mesh.vertices)
-    sums = [np.bincount(corners, channel, count) for channel in values.T]
-    means = np.column_stack(sums)
-    number = np.bincount(corners, minlength=count)[:, np.newaxis]
-    return np.where(number > 0, means / np.maximum(number, 1), 1.0)
+    corners = corner_vertices(mesh)
+    found = np.ones((len(mesh.vertices), 4))
+    found[corners] = means(corners, values, len(found))[corners]
+    return found
 
 
 def _replace(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: np.ndarray) -> None:

@@ -14,7 +14,9 @@ from ..files.checks import check
 from ..files.room import with_room
 from ..files.torn import require
 from ..scene.animation import curves_of
+from ..scene.channels import drivers_of
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from . import finish_obj, finish_ply
 from .contents import armatures, is_animated
 from .copies import dressed
@@ -101,7 +103,8 @@ def _export_fbx(place: Path, export: Export) -> None:
 
 def _has_takes() -> bool:
     """Whether there is more animation than what is played."""
-    animations = [item.animation_data for item in _animated_data() if item.animation_data]
+    data = [*bpy.context.scene.objects, *bpy.data.shape_keys]
+    animations = [item.animation_data for item in data if item.animation_data]
     played = {animation.action for animation in animations}
     return any(animation.nla_tracks for animation in animations) or any(
         action not in played and action.users > 0 for action in bpy.data.actions
@@ -153,7 +156,8 @@ def _ensure_materials(place: Path, materials: Path) -> None:
 
 def _export_ply(place: Path, export: Export) -> None:
     source, look = export.source, export.source.ply
-    export.options["export_normals"] = (look is not None and look.has_normals) or any(
+    has_normals = look is not None and set(finish_ply.NORMALS) <= look.columns
+    export.options["export_normals"] = has_normals or any(
         obj.data.has_custom_normals for obj in export.meshes
     )
     export.options["ascii_format"] = is_text(".ply", source)
@@ -216,16 +220,10 @@ def _parented(export: Export) -> Iterator[None]:
     """
     loose = [(obj, armatures(obj)[0].object) for obj in export.meshes if armatures(obj)]
     loose = [(obj, rig) for obj, rig in loose if obj.parent is None and rig in export.objects]
-    before = [obj.matrix_parent_inverse.copy() for obj, _ in loose]
-    try:
+    with Temporary() as now:
         for obj, rig in loose:
-            obj.parent = rig
-            obj.matrix_parent_inverse = rig.matrix_world.inverted_safe()
+            now.adopt(obj, rig, rig.matrix_world.inverted_safe())
         yield
-    finally:
-        for (obj, _), inverse in zip(loose, before, strict=True):
-            obj.parent = None
-            obj.matrix_parent_inverse = inverse
 
 
 def _beside(place: Path, export: Export) -> AbstractContextManager[None]:
@@ -233,16 +231,9 @@ def _beside(place: Path, export: Export) -> AbstractContextManager[None]:
 
 
 def _is_animated_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bool:
-    animation = obj.data.shape_keys.animation_data
-    curves = curves_of(obj.data.shape_keys) or ()
-    drivers = animation.drivers if animation is not None else ()
-    return any(curve.data_path == key.path_from_id("value") for curve in (*curves, *drivers))
-
-
-def _animated_data() -> list[bpy.types.ID]:
-    """All that may be animated in the scene."""
-    objects = list(bpy.context.scene.objects)
-    return [*objects, *bpy.data.shape_keys]
+    keys = obj.data.shape_keys
+    curves = (*(curves_of(keys) or ()), *drivers_of(keys))
+    return any(curve.data_path == key.path_from_id("value") for curve in curves)
 
 
 def _moves() -> bool:
@@ -254,13 +245,10 @@ def _moves() -> bool:
 def _frames_that_move() -> Iterator[None]:
     """Have the scene consist of its current frame if nothing moves."""
     scene = bpy.context.scene
-    before = scene.frame_start, scene.frame_end
-    if not _moves():
-        scene.frame_start = scene.frame_end = scene.frame_current
-    try:
+    with Temporary() as now:
+        for end in () if _moves() else ("frame_start", "frame_end"):
+            now.put(scene, end, scene.frame_current)
         yield
-    finally:
-        scene.frame_start, scene.frame_end = before
 
 
 def _export_dae(place: Path, export: Export) -> None:

@@ -33,9 +33,8 @@ class Exact:
         if count == len(self.points):
             return self
         is_there = ~are_nowhere(self.points)
-        return (
-            Exact(self.points[is_there], self.held[is_there]) if is_there.sum() == count else None
-        )
+        found = Exact(self.points[is_there], self.held[is_there])
+        return found if len(found.points) == count else None
 
     def placed(self, points: np.ndarray) -> np.ndarray:
         """Vertices in the axes of the file with the digits that Blender lost."""
@@ -56,16 +55,6 @@ class Look:
     columns: frozenset[str] = frozenset()
     exact: Exact | None = None
 
-    @property
-    def has_normals(self) -> bool:
-        """Whether vertices have normals."""
-        return set(NORMALS) <= self.columns
-
-    @property
-    def lacks_alpha(self) -> bool:
-        """Whether vertices have colors without alpha."""
-        return "red" in self.columns and "alpha" not in self.columns
-
 
 def finish(path: Path, digits: Digits, look: Look | None, is_single: bool) -> None:
     """Write a PLY file of what is seen anew, like the one that it came from, if there is one.
@@ -80,7 +69,7 @@ def finish(path: Path, digits: Digits, look: Look | None, is_single: bool) -> No
         _set_normals(table, scene)
     elif "s" in table.columns:
         note("its vertices may be in another order")
-    if look is not None and look.lacks_alpha:
+    if look is not None and "red" in look.columns and "alpha" not in look.columns:
         table.columns.pop("alpha", None)
     if digits.is_moved or digits.is_double:
         _set_points(table, digits, look.exact if look is not None and is_single else None)
@@ -105,10 +94,6 @@ class _Seen:
     normals: np.ndarray
     sources: np.ndarray
 
-    def fits(self, table: Table) -> bool:
-        """Whether these are the faces of a file."""
-        return np.array_equal(self.sizes, table.faces.sizes)
-
 
 def _seen(table: Table) -> _Seen | None:
     """What a file shows; None if it is not known."""
@@ -119,7 +104,7 @@ def _seen(table: Table) -> _Seen | None:
     )
     for is_wanted in tries:
         found = _together(is_wanted)
-        if found is not None and found.fits(table):
+        if found is not None and np.array_equal(found.sizes, table.faces.sizes):
             sources = _sources(table, found)
             if sources is not None:
                 return replace(found, sources=sources)
@@ -207,10 +192,8 @@ def _set_normals(table: Table, seen: _Seen) -> None:
         return
     normals = seen.normals[seen.sources]
     is_own = normals.any(axis=1)
-    for axis, name in enumerate(NORMALS):
-        table.columns[name] = np.where(is_own, normals[:, axis], table.columns[name]).astype(
-            np.float32
-        )
+    for own, name in zip(normals.astype(np.float32).T, NORMALS, strict=True):
+        table.columns[name] = np.where(is_own, own, table.columns[name])
 
 
 def _set_points(table: Table, digits: Digits, exact: Exact | None) -> None:

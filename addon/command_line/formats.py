@@ -6,34 +6,9 @@ from typing import Any
 
 import bpy
 
-# What files hold besides the shape, and what the user calls it.
-KINDS = {
-    "colors": "vertex colors",
-    "uvs": "UV maps",
-    "materials": "materials",
-    "textures": "textures",
-    "normals": "custom normals",
-    "attributes": "custom attributes",
-    "groups": "vertex groups",
-    "keys": "shape keys",
-    "armatures": "armatures",
-    "animation": "animation",
-    "objects": "objects apart",
-    "names": "object names",
-    "parents": "parents",
-    "collections": "collections",
-    "polygons": "quads, n-gons",
-    "loose": "loose edges, points",
-    "cameras": "cameras",
-    "lights": "lights",
-    "curves": "curves, texts",
-    "others": "other objects",
-    "modifiers": "modifiers",
-    "properties": "custom properties",
-}
 # All of it; none of it; that which is active; it is seen in the shape, and no longer apart.
 YES, NO, ONE, APPLIED = "yes", "–", "one", "applied"
-# As docs/formats.md has it. Other words tell what of it is kept.
+# What files hold besides the shape, as docs/formats.md has it. Other words tell what of it is kept.
 TABLE = """\
 | | .blend | .glb .gltf | .fbx | .usd .usda .usdc .usdz | .abc | .dae | .obj | .ply | .stl |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -65,10 +40,9 @@ TABLE = """\
 def _columns() -> Iterator[tuple[str, dict[str, str]]]:
     """Of every suffix, the word for each kind."""
     head, _, *rows = ([cell.strip() for cell in line.split("|")] for line in TABLE.splitlines())
-    keys = {text: key for key, text in KINDS.items()}
     for place, suffixes in enumerate(head[2:-1], 2):
         for suffix in suffixes.split():
-            yield suffix, {keys[row[1]]: row[place] for row in rows}
+            yield suffix, {row[1]: row[place] for row in rows}
 
 
 HOLDS: Mapping[str, Mapping[str, str]] = dict(_columns())
@@ -170,7 +144,7 @@ FORMATS = {
 
 def a(suffix: str) -> str:
     """A file of this suffix, with its article."""
-    return f"an {suffix}" if suffix[1] in "ao" else f"a {suffix}"
+    return f"an {suffix}" if suffix[1] in "aeo" else f"a {suffix}"
 
 
 def importable() -> list[str]:

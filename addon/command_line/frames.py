@@ -16,6 +16,7 @@ from ..scene.frames import every, kept, visited
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import add_displacements
+from ..scene.temporary import Temporary
 from .formats import HOLDS, NO
 from .load import Source
 
@@ -97,22 +98,18 @@ def treat_frames(
 @contextmanager
 def _copies(objects: Sequence[bpy.types.Object]) -> Iterator[list[bpy.types.Object]]:
     """Yield objects of what is seen of others, under their names, and remove them in the end."""
-    names = [obj.name for obj in objects]
     copies: list[bpy.types.Object] = []
-    try:
-        for obj, name in zip(objects, names, strict=True):
+    with Temporary() as now:
+        for obj in objects:
+            name = obj.name
+            now.put(obj, "name", f"{name} (kept)")
             copy = applied.copy_of(obj)
-            copies.append(copy)
+            now.made(copy.data)
+            copies.append(now.made(copy))
             copy.animation_data_clear()
-            obj.name = f"{name} (kept)"
             copy.name = name
         bpy.context.view_layer.update()
         yield copies
-    finally:
-        meshes = [copy.data for copy in copies]
-        bpy.data.batch_remove([*copies, *meshes])
-        for obj, name in zip(objects, names, strict=True):
-            obj.name = name
 
 
 def _ensure_alike(

@@ -88,7 +88,7 @@ class Given:
             return
         vertices = ply.find_vertices(self.path, ply.read_header(self.path))
         assert vertices is not None
-        vertices.replace(self.path, place, points)
+        vertices.replace(place, points)
 
     def compare(self, objects: Sequence[bpy.types.Object]) -> None:
         """Have vertices be nowhere that are so in the file, and note what else it had."""
@@ -174,7 +174,7 @@ def _of_ply(path: Path) -> Given:
     vertices = ply.find_vertices(path, header)
     if vertices is None or vertices.element.count == 0:
         return Given(path, Digits(np.zeros(3), is_text, header.is_double))
-    points = vertices.read(path)
+    points = vertices.points()
     faces = ply_table.read_faces(path, header) if header.element("tristrips") is None else None
     return Given(path, of_points(points, is_text, header.is_double), points, faces=faces)
 

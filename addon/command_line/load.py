@@ -14,6 +14,7 @@ from ..files import ply
 from ..files.checks import Torn, check
 from ..scene.animation import curves_of
 from ..scene.coordinates import coordinates, points
+from ..scene.mix import keys_of
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
@@ -84,7 +85,7 @@ def load(path: Path) -> Source:
         path,
         read,
         survey(objects, suffix),
-        {obj.name: _keys(obj) for obj in objects},
+        {obj.name: set(keys_of(obj.data).keys()) for obj in objects if obj.type == "MESH"},
         _frames(objects),
         units,
         options,
@@ -198,11 +199,6 @@ def _tell_missing(objects: list[bpy.types.Object]) -> None:
             place = Path(bpy.path.abspath(image.filepath, library=image.library))
             if not place.is_file():
                 note(f"there is no texture {place}")
-
-
-def _keys(obj: bpy.types.Object) -> set[str]:
-    keys = obj.data.shape_keys if obj.type == "MESH" else None
-    return {key.name for key in keys.key_blocks} if keys is not None else set()
 
 
 def _frames(objects: list[bpy.types.Object]) -> range | None:

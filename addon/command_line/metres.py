@@ -8,6 +8,7 @@ from mathutils import Matrix
 
 from ..scene.notes import note
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from .formats import FORMATS, a, has_option
 
 # Formats that know no unit; .dae tells its own, and the exporter of .fbx converts.
@@ -50,23 +51,16 @@ def in_metres(suffix: str) -> Iterator[None]:
     linked = [obj.name for obj in roots if obj.library is not None]
     if linked:
         raise Refusal(f"{linked[0]} is linked from another file, so it cannot be put into metres")
-    before = [(obj, obj.matrix_parent_inverse.copy()) for obj in roots]
-    parent = bpy.data.objects.new(NAME, None)
-    scene.collection.objects.link(parent)
-    parent.scale = [metres_per_unit()] * 3
-    parent.select_set(True)
-    try:
+    with Temporary() as now:
+        now.callback(bpy.context.view_layer.update)
+        parent = now.made(bpy.data.objects.new(NAME, None))
+        scene.collection.objects.link(parent)
+        parent.scale = [metres_per_unit()] * 3
+        parent.select_set(True)
         for obj in roots:
-            obj.parent = parent
-            obj.matrix_parent_inverse = Matrix()
+            now.adopt(obj, parent, Matrix())
         bpy.context.view_layer.update()
         yield
-    finally:
-        for obj, inverse in before:
-            obj.parent = None
-            obj.matrix_parent_inverse = inverse
-        bpy.data.objects.remove(parent)
-        bpy.context.view_layer.update()
 
 
 def _needs_parent(suffix: str) -> bool:

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ..scene.temporary import Temporary
+
 # Up to this, relative to the largest of them, values differ by rounding.
 ROUNDING = 5e-7
 
@@ -19,7 +21,6 @@ def moving_alone() -> Iterator[None]:
     single axes that stand still get none, and Blender 5 ignores motion that has none along X.
     """
     channel = import_module("io_scene_fbx.fbx_utils").AnimationCurveNodeWrapper
-
     former = channel.simplify
 
     def simplify(self: Any, factor: float, step: float, force_keep: bool = False) -> None:
@@ -31,8 +32,6 @@ def moving_alone() -> Iterator[None]:
         if (np.ptp(values, axis=1) <= ROUNDING * np.abs(values).max(axis=1)).all():
             self._frame_write_mask_array[:] = False
 
-    channel.simplify = simplify
-    try:
+    with Temporary() as now:
+        now.put(channel, "simplify", simplify)
         yield
-    finally:
-        channel.simplify = former

@@ -8,9 +8,10 @@ import bpy
 import numpy as np
 
 from ..scene.coordinates import coordinates
+from ..scene.mix import keys_of
 from ..scene.notes import note
-from ..scene.surface import NOWHERE
 from .copies import held
+from .digits import are_nowhere
 from .formats import a
 
 
@@ -42,20 +43,14 @@ def left_out(objects: Sequence[bpy.types.Object], suffix: str) -> Iterator[None]
 
 
 def _vertices(count: int) -> str:
-    return (
-        "1 vertex without a finite place"
-        if count == 1
-        else (f"{count} vertices without a finite place")
-    )
+    return f"{'1 vertex' if count == 1 else f'{count} vertices'} without a finite place"
 
 
 def _nowhere(mesh: bpy.types.Mesh) -> np.ndarray:
     """Indices of the vertices that have no finite place, in the mesh or one of its keys."""
-    keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ()
     is_nowhere = np.zeros(len(mesh.vertices), dtype=bool)
-    for points in (mesh.vertices, *(key.data for key in keys)):
-        places = coordinates(points).reshape(-1, 3)
-        is_nowhere |= ~(np.abs(places) < NOWHERE).all(axis=1)
+    for points in (mesh.vertices, *(key.data for key in keys_of(mesh).values())):
+        is_nowhere |= are_nowhere(coordinates(points).reshape(-1, 3))
     return np.flatnonzero(is_nowhere)
 
 
@@ -63,12 +58,10 @@ def _remove(mesh: bpy.types.Mesh, members: np.ndarray) -> int:
     """Remove vertices, and return how many faces went with them."""
     before = len(mesh.polygons)
     work = bmesh.new()
-    try:
-        work.from_mesh(mesh)
-        work.verts.ensure_lookup_table()
-        bmesh.ops.delete(work, geom=[work.verts[index] for index in members], context="VERTS")
-        work.to_mesh(mesh)
-    finally:
-        work.free()
+    work.from_mesh(mesh)
+    work.verts.ensure_lookup_table()
+    bmesh.ops.delete(work, geom=[work.verts[index] for index in members], context="VERTS")
+    work.to_mesh(mesh)
+    work.free()
     mesh.update()
     return before - len(mesh.polygons)

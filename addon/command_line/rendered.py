@@ -6,8 +6,9 @@ from itertools import chain
 
 import bpy
 
-from ..scene.channels import actions_of
+from ..scene.channels import curves_and_drivers
 from ..scene.notes import listed, note
+from ..scene.temporary import Temporary
 
 # Properties that renders go by, and those that the viewport goes by.
 PAIRS = {
@@ -29,50 +30,22 @@ TELLER = "GeometryNodeIsViewport"
 @contextmanager
 def rendered_as_shown() -> Iterator[None]:
     """Have renders show what the viewport shows; it is noted where nodes will tell them apart."""
-    before = []
-
-    def change(owner: bpy.types.bpy_struct, name: str, value: object) -> None:
-        if getattr(owner, name) != value:
-            before.append((owner, name, getattr(owner, name)))
-            setattr(owner, name, value)
-
-    try:
-        for curve in _curves():
-            if curve.data_path.rpartition(".")[2] in PAIRS:
-                change(curve, "mute", True)
-        for owner in _owners():
+    # What is instanced may be in no scene.
+    data, modifiers = bpy.data, chain.from_iterable(obj.modifiers for obj in bpy.data.objects)
+    blocks = [*data.collections, *data.curves, *data.metaballs, *data.objects]
+    with Temporary() as now:
+        for curve in chain.from_iterable(map(curves_and_drivers, blocks)):
+            if curve.data_path.rpartition(".")[2] in PAIRS and not curve.mute:
+                now.put(curve, "mute", True)
+        for owner in (bpy.context.scene.render, *blocks, *modifiers):
             for name, shown in PAIRS.items():
-                if hasattr(owner, name) and hasattr(owner, shown):
-                    change(owner, name, getattr(owner, shown))
+                has_both = hasattr(owner, name) and hasattr(owner, shown)
+                if has_both and getattr(owner, name) != getattr(owner, shown):
+                    now.put(owner, name, getattr(owner, shown))
         bpy.context.view_layer.update()
         if bpy.app.version > (5, 1) and (tellers := _tellers()):
             note(f"written as it is rendered, by the nodes that tell: {listed(tellers)}")
         yield
-    finally:
-        for owner, name, value in reversed(before):
-            setattr(owner, name, value)
-
-
-def _blocks() -> Iterator[bpy.types.ID]:
-    """All data-blocks that have such properties; what is instanced may be in no scene."""
-    return chain(bpy.data.collections, bpy.data.curves, bpy.data.metaballs, bpy.data.objects)
-
-
-def _owners() -> Iterator[bpy.types.bpy_struct]:
-    yield bpy.context.scene.render
-    for block in _blocks():
-        yield block
-        if isinstance(block, bpy.types.Object):
-            yield from block.modifiers
-
-
-def _curves() -> Iterator[bpy.types.FCurve]:
-    """What animates or drives them."""
-    for block in _blocks():
-        if getattr(block, "animation_data", None) is not None:
-            yield from block.animation_data.drivers
-            for animated in actions_of(block):
-                yield from animated.curves or ()
 
 
 def _tellers() -> list[str]:

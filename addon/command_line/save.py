@@ -10,6 +10,7 @@ import bpy
 
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from .contents import armatures
 from .copies import unhooked
 from .exports import Export, is_text, write
@@ -114,9 +115,12 @@ def _exported(only: Sequence[bpy.types.Object] | None) -> Iterator[list[bpy.type
         hidden = [obj.name for obj in layer.objects if obj not in wanted]
         if hidden:
             note(f"hidden, and so not in the file: {listed(hidden)}")
-    before = [(obj, obj.hide_get(), obj.hide_viewport, obj.select_get()) for obj in layer.objects]
-    try:
+    with Temporary() as now:
+        now.callback(layer.update)
         for obj in layer.objects:
+            now.callback(setattr, obj, "hide_viewport", obj.hide_viewport)
+            now.callback(obj.hide_set, obj.hide_get())
+            now.callback(obj.select_set, obj.select_get())
             obj.select_set(False)
         for obj in wanted:
             obj.hide_viewport = False
@@ -129,9 +133,3 @@ def _exported(only: Sequence[bpy.types.Object] | None) -> Iterator[list[bpy.type
         off = [item for obj in wanted for item in obj.modifiers if not item.show_viewport]
         with unhooked(off):
             yield [obj for obj in wanted if obj.name not in left]
-    finally:
-        for obj, is_hidden, is_off, is_selected in before:
-            obj.select_set(is_selected)
-            obj.hide_set(is_hidden)
-            obj.hide_viewport = is_off
-        layer.update()

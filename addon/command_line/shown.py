@@ -17,6 +17,7 @@ from ..scene.applied import mesh_of
 from ..scene.coordinates import seen_coordinates
 from ..scene.notes import listed, note
 from ..scene.shape_keys import SLIDER_RANGE
+from ..scene.temporary import Temporary
 from .contents import armatures, own_properties
 from .copies import Dress, held, off, unhooked
 
@@ -152,13 +153,12 @@ def _moves(
     obj: bpy.types.Object, wanted: Sequence[str], values: dict[str, float]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The shape with some keys at 0, and how far each of them at 1 moves it, as Blender sees it."""
-    probe = obj.copy()
-    probe.data = obj.data.copy()
-    keys = probe.data.shape_keys
-    keys.animation_data_clear()
-    probe.show_only_shape_key = False
-    bpy.context.scene.collection.objects.link(probe)
-    try:
+    with Temporary() as now:
+        mesh, probe = now.made(obj.data.copy()), now.made(obj.copy())
+        probe.data, keys = mesh, mesh.shape_keys
+        keys.animation_data_clear()
+        probe.show_only_shape_key = False
+        bpy.context.scene.collection.objects.link(probe)
         for key in keys.key_blocks[1:]:
             key.slider_min, key.slider_max = SLIDER_RANGE
             key.mute = False
@@ -170,26 +170,20 @@ def _moves(
             moved = seen_coordinates(probe)
             moves[name] = moved - base if moved.shape == base.shape else moved
             keys.key_blocks[name].value = 0.0
-    finally:
-        mesh = probe.data
-        bpy.data.objects.remove(probe)
-        bpy.data.meshes.remove(mesh)
     return base, moves
 
 
 def _write(mesh: bpy.types.Mesh, shape: Shape) -> None:
-    """Give a mesh without keys these."""
+    """Give a mesh without keys these, and nothing that the extension keeps."""
     mesh.vertices.foreach_set("co", shape.base.astype(np.float32).ravel())
-    helper = bpy.data.objects.new("Helper", mesh)
-    try:
+    with Temporary() as now:
+        helper = now.made(bpy.data.objects.new("Helper", mesh))
         helper.shape_key_add(name="Basis", from_mix=False)
         for name, move in shape.moves.items():
             key = helper.shape_key_add(name=name, from_mix=False)
             key.slider_min, key.slider_max = SLIDER_RANGE
             key.value = shape.values[name]
             key.data.foreach_set("co", (shape.base + move).astype(np.float32).ravel())
-    finally:
-        bpy.data.objects.remove(helper)
 
 
 def _animate(mesh: bpy.types.Mesh, obj: bpy.types.Object, shape: Shape) -> None:

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import bpy
 
+from ..scene.temporary import Temporary
+from .contents import image_nodes
+
 
 def folder_name(target: Path) -> str:
     """The folder beside a file that holds its textures; no other file's are in it."""
@@ -20,42 +23,20 @@ def beside(objects: Sequence[bpy.types.Object], target: Path, staging: Path) -> 
     Images that are elsewhere, or in no file, are written to ``staging``, of which all will be put
     beside the target.
     """
-    trees = _trees(objects)
-    swapped: list[tuple[bpy.types.Node, bpy.types.Image]] = []
-    made: dict[bpy.types.Image, bpy.types.Image | None] = {}
-    try:
-        for tree in trees:
-            for node in tree.nodes:
-                if node.type != "TEX_IMAGE" or node.image is None:
-                    continue
-                if node.image not in made:
-                    made[node.image] = _copy(node.image, target, staging, len(made))
-                if (copy := made[node.image]) is not None:
-                    swapped.append((node, node.image))
-                    node.image = copy
+    materials = {slot.material: None for obj in objects for slot in obj.material_slots}
+    trees = [material.node_tree for material in materials if material is not None]
+    nodes = dict.fromkeys(node for tree in trees for node in image_nodes(tree))
+    copies: dict[bpy.types.Image, bpy.types.Image | None] = {}
+    with Temporary() as now:
+        for node in nodes:
+            image = node.image
+            if image not in copies:
+                copies[image] = _copy(image, target, staging, len(copies))
+                if copies[image] is not None:
+                    now.made(copies[image])
+            if copies[image] is not None:
+                now.put(node, "image", copies[image])
         yield
-    finally:
-        for node, image in swapped:
-            node.image = image
-        bpy.data.batch_remove([copy for copy in made.values() if copy is not None])
-
-
-def _trees(objects: Sequence[bpy.types.Object]) -> list[bpy.types.NodeTree]:
-    """The trees of nodes of all materials of objects, and the groups in them."""
-    found: dict[bpy.types.NodeTree, None] = {}
-    left = [
-        slot.material.node_tree
-        for obj in objects
-        for slot in obj.material_slots
-        if slot.material is not None and slot.material.node_tree is not None
-    ]
-    while left:
-        tree = left.pop()
-        if tree not in found:
-            found[tree] = None
-            groups = [node for node in tree.nodes if node.type == "GROUP"]
-            left += [node.node_tree for node in groups if node.node_tree is not None]
-    return list(found)
 
 
 def _copy(
@@ -73,7 +54,8 @@ def _copy(
         return None
     folder = staging / folder_name(target)
     folder.mkdir(exist_ok=True)
-    place = folder / (bpy.path.clean_name(path.stem) + (path.suffix if is_suffix(path) else ".png"))
+    suffix = path.suffix if path.suffix.lower() in bpy.path.extensions_image else ".png"
+    place = folder / (bpy.path.clean_name(path.stem) + suffix)
     if place.exists():
         place = place.with_stem(f"{place.stem}_{number}")
     if image.packed_file is not None and not image.is_dirty:
@@ -87,8 +69,3 @@ def _copy(
     copy.alpha_mode = image.alpha_mode
     copy.filepath_raw = str(target.parent / folder.name / place.name)
     return copy
-
-
-def is_suffix(path: Path) -> bool:
-    """Whether a path ends like one of a picture."""
-    return path.suffix.lower() in bpy.path.extensions_image

@@ -4,7 +4,7 @@ import argparse
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,8 @@ from ..scene.frames import kept, visited
 from ..scene.notes import about, gathered, listed
 from ..scene.objects import Refusal, refusal
 from . import errors, picture
-from .arguments import add_arguments, complaint, epilog, outputs
+from .arguments import EXIT_CODES, add_arguments, complaint, outputs
+from .formats import exportable, importable
 from .frames import frames_of, plays
 from .load import Source, freeze, load
 from .progress import say
@@ -30,26 +31,8 @@ FAILED = 1
 PLACES = ("inputs", "output", "format", "render", "report", "objects", "run", "parser")
 
 
-@dataclass(frozen=True)
-class Task:
-    """What an object is treated for: the file to write, if any, and how messages begin."""
-
-    file: Path | None
-    label: str
-
-
-@dataclass(frozen=True)
-class Job:
-    """An input under work: where it is, what becomes of it, what was read, and what is done."""
-
-    source: Path
-    file: Path | None
-    read: Source
-    done: list[list[str]]
-
-
 class Command:
-    """A verb of the command line: says what it takes, and what it does to one file."""
+    """A verb of the command line, with what was chosen: does it to one file after the other."""
 
     name: str
     summary: str
@@ -59,38 +42,62 @@ class Command:
     options: type
     of_object = False
 
-    def add_parser(self, commands: argparse._SubParsersAction) -> None:
+    def __init__(self, choices: argparse.Namespace) -> None:
+        """Take what was chosen."""
+        self.choices = choices
+
+    @classmethod
+    def add_to(cls, commands: argparse._SubParsersAction) -> None:
         """Add the verb to the command line."""
+        parser = commands.add_parser(
+            cls.name,
+            help=cls.summary,
+            description=cls.description,
+            epilog=f"{cls.formats()}\n\nexamples:\n{cls.examples}\n\n{EXIT_CODES}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        cls.add_arguments(parser)
+        parser.set_defaults(run=cls, parser=parser)
+
+    @staticmethod
+    def formats() -> str:
+        """Lines that tell what it reads and writes."""
         raise NotImplementedError
 
-    def complaint(self, choices: argparse.Namespace) -> str | None:
+    @classmethod
+    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
+        """Declare what it takes."""
+        raise NotImplementedError
+
+    def complaint(self) -> str | None:
         """What is wrong with the arguments together; None if nothing is."""
         raise NotImplementedError
 
-    def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
+    def _treat_file(self, source: Path, entry: Entry) -> None:
         """Do it and say so in ``entry``; raises one of ERRORS."""
         raise NotImplementedError
 
-    def settings(self, choices: argparse.Namespace) -> Any:
+    @cached_property
+    def asked(self) -> Any:
         """The options that were chosen, in the dataclass that declares them."""
-        return read(choices, self.options)
+        return read(self.choices, self.options)
 
-    def settings_of(self, choices: argparse.Namespace) -> dict[str, Any]:
+    def told(self) -> dict[str, Any]:
         """The settings that were chosen, or are defaults, and count."""
         others = {
             name: value
-            for name, value in vars(choices).items()
+            for name, value in vars(self.choices).items()
             if name not in PLACES and value not in (None, "", [])
         }
         if self.of_object:
             return others
         own = names_of(self.options)
-        left = {name: value for name, value in others.items() if name not in own}
-        return {**told(self.settings(choices)), **left}
+        return told(self.asked) | {name: each for name, each in others.items() if name not in own}
 
-    def _run(self, choices: argparse.Namespace) -> int:
+    def run(self) -> int:
         """Treat every input, those that fail too, and return the exit code."""
-        reason = self.complaint(choices)
+        choices = self.choices
+        reason = self.complaint()
         if reason is not None:
             choices.parser.error(reason)
         try:
@@ -100,7 +107,7 @@ class Command:
         results: list[bool] = []
         try:
             for source in choices.inputs:
-                results.append(self._try(choices, source, report))
+                results.append(self._try(source, report))
         except KeyboardInterrupt:
             for source in choices.inputs[len(results) + 1 :]:
                 say(f"{source}: not begun")
@@ -109,22 +116,21 @@ class Command:
             say(f"{sum(results)} of {len(results)} inputs succeeded")
         return 0 if all(results) else FAILED
 
-    def _try(self, choices: argparse.Namespace, source: Path, report: Report) -> bool:
+    def _try(self, source: Path, report: Report) -> bool:
         """Treat an input, say and report what became of it, and whether that is good."""
         entry = Entry(str(source))
         started = time.perf_counter()
         try:
             with gathered() as entry.warnings:
                 try:
-                    self._treat_file(choices, source, entry)
+                    self._treat_file(source, entry)
                     entry.status = DONE
                 except ERRORS as error:
                     heed()
                     entry.error = errors.reason(error)
-            if hasattr(choices, "weld"):
+            if hasattr(self.choices, "weld"):
                 entry.warnings[:] = map(errors.in_options, entry.warnings)
-            told = entry.warnings if entry.error is None else [f"error: {entry.error}"]
-            for text in told:
+            for text in entry.warnings if entry.error is None else [f"error: {entry.error}"]:
                 say(f"{source}: {text}")
         except KeyboardInterrupt:
             if entry.status != DONE:
@@ -156,36 +162,45 @@ def _record(report: Report, entry: Entry) -> bool:
 
 
 class Verb(Command):
-    """One about meshes: says what it takes, and what it does to objects."""
+    """One about meshes.
+
+    Of the input under work it knows the ``source``, the ``file`` to write, if any, what was
+    ``read``, and the names of the objects that were treated, those together that were one.
+    """
 
     # What objects are called that were treated.
     result: str
+    source: Path
+    file: Path | None
+    read: Source
+    done: list[list[str]]
 
-    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        """Declare what it takes besides what all verbs do."""
+    @staticmethod
+    def formats() -> str:
+        """Lines that tell what it reads and writes."""
+        return f"reads:  {' '.join(importable())}\nwrites: {' '.join(exportable())}"
+
+    @classmethod
+    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
+        """Declare what it takes; a subclass adds its own."""
+        add_arguments(parser, cls.name, cls.result)
+
+    def complaint(self) -> str | None:
+        """What is wrong with the arguments together; a subclass looks at its own."""
+        return complaint(self.choices)
+
+    def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
+        """Do it to one of `groups`; messages begin with ``label``.
+
+        Raises Refusal or spectral_tv.MeshError.
+        """
         raise NotImplementedError
 
-    def complaint_of_own(self, choices: argparse.Namespace) -> str | None:
-        """What is wrong with these arguments together; None if nothing is."""
-        raise NotImplementedError
-
-    def complaint(self, choices: argparse.Namespace) -> str | None:
-        """What is wrong with the arguments together; None if nothing is."""
-        return complaint(choices) or self.complaint_of_own(choices)
-
-    def treat(
-        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
-    ) -> None:
-        """Do it to one of `groups`; raises Refusal or spectral_tv.MeshError."""
-        raise NotImplementedError
-
-    def groups(
-        self, objects: list[bpy.types.Object], _choices: argparse.Namespace
-    ) -> list[list[bpy.types.Object]]:
+    def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         """The objects, those together that are treated as one."""
         return [[obj] for obj in objects]
 
-    def choose(self, _choices: argparse.Namespace) -> list[bpy.types.Object]:
+    def choose(self) -> list[bpy.types.Object]:
         """The objects to treat where none is named; raises Refusal if there are none."""
         present = bpy.context.view_layer.objects
         meshes = [obj for obj in present if obj.type == "MESH" and len(obj.data.polygons) > 0]
@@ -193,36 +208,24 @@ class Verb(Command):
             raise Refusal("there is no mesh with faces in it")
         return meshes
 
-    def add_parser(self, commands: argparse._SubParsersAction) -> None:
-        """Add the verb to the command line."""
-        parser = commands.add_parser(
-            self.name,
-            help=self.summary,
-            description=self.description,
-            epilog=epilog(self.examples),
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        add_arguments(parser, self.name, self.result)
-        self.add_arguments(parser)
-        parser.set_defaults(run=self._run, parser=parser)
-
-    def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
-        file, shot = outputs(choices, source)
-        for target in filter(None, (file, shot)):
+    def _treat_file(self, source: Path, entry: Entry) -> None:
+        self.source, names = source, self.choices.objects
+        self.file, shot = outputs(self.choices, source)
+        for target in filter(None, (self.file, shot)):
             ensure_writable(target.absolute())
-        found = load(source.absolute())
-        objects = _named(choices.objects) if choices.objects else self.choose(choices)
-        entry.read = _described(found)
+        self.read = load(source.absolute())
+        objects = _named(names) if names else self.choose()
+        entry.read = _described(self.read)
         distinct = list({obj.data: obj for obj in reversed(objects)}.values())[::-1]
         for obj in distinct:
             reason = refusal(obj)
             if reason is not None:
                 raise Refusal(f"{obj.name}: {reason}")
-        entry.done = {"verb": self.name, "settings": self.settings_of(choices), "objects": []}
-        self.treat_all(distinct, choices, Job(source, file, found, entry.done["objects"]))
-        only = objects if choices.objects else None
-        if file is not None:
-            entry.output = self.write(file, only, choices, found)
+        self.done = []
+        entry.done = {"verb": self.name, "settings": self.told(), "objects": self.done}
+        self.treat_all(distinct)
+        if self.file is not None:
+            entry.output = self.write(objects if names else None)
             for path in [entry.output] if isinstance(entry.output, str) else entry.output:
                 say(f"{source}: wrote {path}")
         if shot is not None:
@@ -230,57 +233,38 @@ class Verb(Command):
             entry.picture = str(shot)
             say(f"{source}: wrote {shot}")
 
-    def treat_all(
-        self, objects: list[bpy.types.Object], choices: argparse.Namespace, job: "Job"
-    ) -> None:
+    def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Treat objects that do not share meshes, as they are in the current frame."""
-        freeze(job.read, "")
-        self.treat_groups(objects, choices, job)
+        freeze(self.read, "")
+        self.treat_groups(objects)
 
-    def write(
-        self,
-        file: Path,
-        only: Sequence[bpy.types.Object] | None,
-        choices: argparse.Namespace,
-        read: Source,
-    ) -> str | list[str]:
+    def write(self, only: Sequence[bpy.types.Object] | None) -> str | list[str]:
         """Write the file, or one for each frame if it cannot play them, and tell the names."""
-        if choices.frames is None or plays(file):
-            save(file.absolute(), only, read)
-            return str(file)
+        asked = self.choices.frames
+        if asked is None or plays(self.file):
+            save(self.file.absolute(), only, self.read)
+            return str(self.file)
         written = []
         scene = bpy.context.scene
         with kept(scene):
-            for frame in visited(scene, frames_of(choices.frames, read)):
-                path = file.with_stem(f"{file.stem}_{frame:04d}")
-                save(path.absolute(), only, read)
+            for frame in visited(scene, frames_of(asked, self.read)):
+                path = self.file.with_stem(f"{self.file.stem}_{frame:04d}")
+                save(path.absolute(), only, self.read)
                 written.append(str(path))
         return written
 
-    def treat_groups(
-        self,
-        objects: list[bpy.types.Object],
-        choices: argparse.Namespace,
-        job: "Job",
-        label: str = "",
-    ) -> None:
-        """Treat objects, those of a group together."""
-        groups = self.groups(objects, choices)
+    def treat_groups(self, objects: list[bpy.types.Object], frame: str = "") -> None:
+        """Treat objects, those of a group together; messages name the ``frame``."""
+        groups = self.groups(objects)
         for group in groups:
             names = [obj.name for obj in group]
-            task = Task(job.file, f"{job.source}: {listed(names)}{label}")
             with about(listed(names)) if len(groups) > 1 else nullcontext():
-                self._treat_group(group, choices, task)
-            if names not in job.done:
-                job.done.append(names)
-
-    def _treat_group(
-        self, objects: Sequence[bpy.types.Object], choices: argparse.Namespace, task: Task
-    ) -> None:
-        try:
-            self.treat(objects, choices, task)
-        except (Refusal, spectral_tv.MeshError, MemoryError) as error:
-            raise Refusal(f"{objects[0].name}: {error}") from error
+                try:
+                    self.treat(group, f"{self.source}: {listed(names)}{frame}")
+                except (Refusal, spectral_tv.MeshError, MemoryError) as error:
+                    raise Refusal(f"{group[0].name}: {error}") from error
+            if names not in self.done:
+                self.done.append(names)
 
 
 def _named(names: list[str]) -> list[bpy.types.Object]:

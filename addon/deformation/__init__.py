@@ -11,5 +11,5 @@ from . import (
 )
 
 FILES = (constraints, constraint_operators, deform_operator, live_operator, bake_operator, panel)
-VERBS = (verb.Deform(),)
+VERBS = (verb.Deform,)
 FORGET = (live_operator.end,)

@@ -103,10 +103,7 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
         if self.target is None:
             raise Refusal(f"the object that moves {self.vertex_group!r} is missing")
         if not is_in_a_scene(self.target):
-            raise Refusal(
-                f"the object {self.target.name!r} that moves {self.vertex_group!r} was deleted, or "
-                "is in no scene"
-            )
+            raise Refusal(f"{self._mover} was deleted, or is in no scene")
         return self.target, self.bone if self.target.type == "ARMATURE" else ""
 
     def set_rest(self) -> None:
@@ -118,10 +115,7 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
             graph = bpy.context.evaluated_depsgraph_get()
             handle, seen = self._handle(graph), matrix_of(self.id_data, "", graph)
         if not np.isfinite(handle).all() or not np.linalg.cond(handle[:3, :3]) < 1 / FLAT:
-            raise Refusal(
-                f"the object {self.target.name!r} that moves {self.vertex_group!r} is flat: its "
-                "scale is zero along an axis"
-            )
+            raise Refusal(f"{self._mover} is flat: its scale is zero along an axis")
         self.rest = (np.linalg.inv(handle) @ seen).ravel()
 
     def motion(self, graph: bpy.types.Depsgraph | None) -> np.ndarray:
@@ -132,21 +126,19 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
         """
         handle = self._handle(graph)
         if not np.isfinite(handle).all():
-            raise Refusal(
-                f"the place of the object {self.target.name!r} that moves {self.vertex_group!r} is "
-                "not finite"
-            )
+            raise Refusal(f"the place of {self._mover} is not finite")
         rest = np.reshape(self.rest, (4, 4)).astype(np.float64)
         if not rest.any():
-            raise Refusal(
-                f"the object {self.target.name!r} that moves {self.vertex_group!r} was flat or "
-                "missing when it was chosen; press Set Rest"
-            )
+            raise Refusal(f"{self._mover} was flat or missing when it was chosen; press Set Rest")
         try:
             from_world = np.linalg.inv(matrix_of(self.id_data, "", graph))
         except np.linalg.LinAlgError as error:
             raise Refusal("its scale is zero along an axis") from error
         return from_world @ handle @ rest
+
+    @property
+    def _mover(self) -> str:
+        return f"the object {self.target.name!r} that moves {self.vertex_group!r}"
 
     def _handle(self, graph: bpy.types.Depsgraph | None) -> np.ndarray:
         """World matrix of what is followed."""
@@ -174,7 +166,7 @@ class Settings:
     )  # fmt: skip
 
 
-DeformationChoices = choices_of(Settings)
+DeformationChoices = choices_of(Settings, "follow")
 
 
 class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyGroup):

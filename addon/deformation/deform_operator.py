@@ -6,7 +6,6 @@ import bpy
 import spectral_tv
 
 from ..job.operator import JobOperator
-from ..options import rows
 from .constraints import DeformationChoices, deformation_of
 from .deform import Deformable, deform_refusal, message, prepare, write
 
@@ -42,8 +41,3 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator)
         deformable, _ = prepared
         write(obj, deformable.displacement(result))
         return message(result, self.algorithm)
-
-    def draw(self, _context: bpy.types.Context) -> None:
-        """Lay out Adjust Last Operation."""
-        self.layout.use_property_split = True
-        rows.draw(self.layout, self, "follow")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..scene.arrays import means
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .constraints import identified
@@ -71,9 +72,7 @@ class Grips:
         shifts = self.handles.targets(obj) - self.handles.positions
         vertices, copies, which = self.entries.T
         turned = self.surface.copies.turned(shifts)[copies, vertices] @ self.surface.matrix.T
-        count = np.bincount(which)
-        means = [np.bincount(which, along) / count for along in turned.T]
-        targets = self.rest + np.column_stack(means)
+        targets = self.rest + means(which, turned, len(self.indices))
         self._check_overlaps(obj, targets)
         return targets
 

@@ -11,8 +11,8 @@ from ..scene.coordinates import basis_coordinates
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import key_shape
-from ..scene.weights import members
-from .constraints import SpectralTVConstraint, identified
+from ..scene.weights import group_named, members
+from .constraints import identified
 
 # Painted weights reach 1 and 0 but for rounding.
 EXACT, NOTHING = 0.999, 1e-3
@@ -41,7 +41,9 @@ class Handles:
         if not constraints:
             raise Refusal("it has no constraints; pin a vertex group and add a handle")
         for constraint in constraints.values():
-            _check_group(obj, constraint)
+            if not constraint.vertex_group:
+                raise Refusal("a constraint has no vertex group")
+            group_named(obj, constraint.vertex_group)
         weights = group_weights(obj, {each.vertex_group for each in constraints.values()})
         indices, owners, values = [], [], []
         for owner, constraint in constraints.items():
@@ -82,7 +84,8 @@ class Handles:
                 motion = constraint.motion(graph)
                 targets[mine] = self.positions[mine] @ motion[:3, :3].T + motion[:3, 3]
             elif constraint.kind == "KEY":
-                targets[mine] = _key_positions(obj, constraint)[self.indices[mine]]
+                shape = key_shape(obj.data, constraint.shape_key, "to move to")
+                targets[mine] = shape[self.indices[mine]]
         return targets
 
 
@@ -96,17 +99,3 @@ def group_weights(
         rounded = np.where(weights >= EXACT, 1.0, weights.astype(np.float64))
         found[name] = vertices[is_in].astype(np.int64), rounded[is_in]
     return found
-
-
-def _check_group(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> None:
-    if not constraint.vertex_group:
-        raise Refusal("a constraint has no vertex group")
-    if constraint.vertex_group not in obj.vertex_groups:
-        raise Refusal(f"there is no vertex group {constraint.vertex_group!r}")
-
-
-def _key_positions(obj: bpy.types.Object, constraint: SpectralTVConstraint) -> np.ndarray:
-    keys = obj.data.shape_keys
-    if keys is None or constraint.shape_key not in keys.key_blocks:
-        raise Refusal(f"there is no shape key {constraint.shape_key!r} to move to")
-    return key_shape(keys.key_blocks[constraint.shape_key])

@@ -21,26 +21,13 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
     bl_label = "Live"
 
     # The one that runs; pressing the button again ends it.
-    _running: "SPECTRAL_TV_OT_deform_live | None" = None
-
-    @classmethod
-    def is_running(cls) -> bool:
-        """Whether an object is being deformed live."""
-        return cls._running is not None
-
-    @classmethod
-    def object_name(cls) -> str:
-        """The object that is."""
-        return "" if cls._running is None else cls._running._object_name
-
-    @classmethod
-    def problem(cls) -> str:
-        """Why it waits for the user, in a sentence; empty while it follows."""
-        return "" if cls._running is None else cls._running._problem
+    running: "SPECTRAL_TV_OT_deform_live | None" = None
+    # Why it waits for the user, in a sentence; empty while it follows.
+    problem = ""
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        if cls.is_running():
+        if cls.running is not None:
             return None
         reason = follow_refusal(context.active_object)
         if reason is None and jobs.running() is not None:
@@ -51,12 +38,11 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         cls = type(self)
-        if cls._running is not None:
-            cls._running.should_end = True
+        if cls.running is not None:
+            cls.running.should_end = True
             return {"CANCELLED"}
-        self._object_name = context.active_object.name
+        self.object_name = context.active_object.name
         self._told: set[str] = set()
-        self._problem = ""
         try:
             with faults.kept(context.active_object), gathered() as notes:
                 self._live = LiveDeformation(context.active_object)
@@ -64,14 +50,14 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
             return self.refuse(error, context.active_object)
         self._tell(notes)
         self.should_end = False
-        cls._running = self
+        cls.running = self
         self._timer = timers.add(context, POLL)
         context.window_manager.modal_handler_add(self)
         redraw_sidebars(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if type(self)._running is not self:  # a file was loaded
+        if type(self).running is not self:  # a file was loaded
             self.cancel(context)
             return {"CANCELLED"}
         if self.should_end or (event.type == "ESC" and event.value == "PRESS"):
@@ -83,13 +69,13 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
                     self._live.update()
             except (*REFUSALS, RuntimeError) as error:
                 self.cancel(context)
-                self.report({"WARNING"}, f"{self._object_name}: no longer live: {error}")
+                self.report({"WARNING"}, f"{self.object_name}: no longer live: {error}")
                 return {"FINISHED"}
             self._tell(notes)
-            if self._live.problem != self._problem:
-                self._problem = self._live.problem
-                if self._problem:
-                    self.report({"WARNING"}, f"{self._object_name}: waiting: {self._problem}")
+            if self._live.problem != self.problem:
+                self.problem = self._live.problem
+                if self.problem:
+                    self.report({"WARNING"}, f"{self.object_name}: waiting: {self.problem}")
                 redraw_sidebars(context)
         return {"PASS_THROUGH"}
 
@@ -98,21 +84,21 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
         for note in notes:
             if note not in self._told:
                 self._told.add(note)
-                self.report({"WARNING"}, f"{self._object_name}: {note}")
+                self.report({"WARNING"}, f"{self.object_name}: {note}")
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Leave the shape as it is; Blender calls it too when it ends the operator itself."""
         self._live.stop()
         self._live = None  # Blender keeps the last operators
-        if type(self)._running is self:
-            type(self)._running = None
+        if type(self).running is self:
+            type(self).running = None
         timers.remove(self._timer)
         redraw_sidebars(context)
 
 
 def end() -> None:
     """End what runs: a file is loaded, or the extension is disabled."""
-    running = SPECTRAL_TV_OT_deform_live._running
+    running = SPECTRAL_TV_OT_deform_live.running
     if running is not None:
         running._live.stop()
-    SPECTRAL_TV_OT_deform_live._running = None
+    SPECTRAL_TV_OT_deform_live.running = None

@@ -52,13 +52,13 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return super().poll(context) or SPECTRAL_TV_OT_deform_live.is_running()
+        return super().poll(context) or SPECTRAL_TV_OT_deform_live.running is not None
 
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         if is_mesh(context.active_object):
             super().rows(context, layout)
         else:  # a handle is being dragged
-            text = f"End Live of {SPECTRAL_TV_OT_deform_live.object_name()}"
+            text = f"End Live of {SPECTRAL_TV_OT_deform_live.running.object_name}"
             draw_button(layout, SPECTRAL_TV_OT_deform_live, "PAUSE", text=text)
             self._draw_problem(layout, context)
 
@@ -73,7 +73,7 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
-        is_live = SPECTRAL_TV_OT_deform_live.is_running()
+        is_live = SPECTRAL_TV_OT_deform_live.running is not None
         reason = deform_refusal(obj)
         if reason is not None and not is_live:
             say(layout, context, reason, "INFO")
@@ -94,8 +94,9 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
     @staticmethod
     def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         """Draw what Live waits for."""
-        if SPECTRAL_TV_OT_deform_live.problem():
-            say(layout, context, f"Waiting: {SPECTRAL_TV_OT_deform_live.problem()}", "ERROR")
+        live = SPECTRAL_TV_OT_deform_live.running
+        if live is not None and live.problem:
+            say(layout, context, f"Waiting: {live.problem}", "ERROR")
 
     @staticmethod
     def _draw_turning(

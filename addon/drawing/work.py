@@ -8,6 +8,7 @@ from ..job import faults, jobs
 from ..job.estimates import Needs
 from ..job.operator import SPECTRAL_TV_OT_cancel
 from ..job.select_faulty import SPECTRAL_TV_OT_select_faulty
+from ..options import rows
 from ..options.properties import give
 from ..scene.objects import is_mesh, refusal, selected_meshes
 from .sidebar import Sidebar, say
@@ -15,6 +16,9 @@ from .sidebar import Sidebar, say
 
 class WorkPanel(Sidebar):
     """What is chosen, and a button that starts work; while it runs, how far it is."""
+
+    # The scene's property that has what is chosen, if any.
+    kept = ""
 
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         self.choices(context, layout)
@@ -25,6 +29,9 @@ class WorkPanel(Sidebar):
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         """Draw what is chosen."""
+        if self.kept:
+            choices = getattr(context.scene, self.kept)
+            rows.draw(layout, choices, *choices.columns)
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         """Draw what can be done."""

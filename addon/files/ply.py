@@ -1,8 +1,9 @@
-"""The header of a PLY file, the coordinates of its vertices, and how long its parts are."""
+"""The header of a PLY file, and what is in its parts."""
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+import struct
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -16,6 +17,7 @@ TYPES = {
     "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
     "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
 }  # fmt: skip
+CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 LONGEST_LINE = 4096
 AXES = ("x", "y", "z")
@@ -33,6 +35,11 @@ class Property:
     type: str
     count: str | None = None
 
+    @property
+    def width(self) -> int:
+        """The bytes of a number."""
+        return int(self.type[1])
+
 
 @dataclass(frozen=True)
 class Element:
@@ -47,11 +54,6 @@ class Element:
         if any(item.count is not None for item in self.properties):
             return None
         return np.dtype([(item.name, order + item.type) for item in self.properties])
-
-    def columns(self, names: Sequence[str]) -> list[int]:
-        """Which numbers of an item these are; raises ValueError if one is not there."""
-        own = [item.name for item in self.properties]
-        return [own.index(name) for name in names]
 
 
 @dataclass(frozen=True)
@@ -123,78 +125,69 @@ def skip(file: BinaryIO, element: Element, order: str) -> bool:
     row = element.row(order)
     if row is not None:
         file.seek(element.count * row.itemsize, 1)
-        return True
-    if element.count == 0:
-        return True
-    place = file.tell()
-    data = np.memmap(file, np.uint8, "r")
-    end = _end_of_equals(data, place, element, order)
-    if end is None:
-        end = _end(data, place, element, order)
-    if end is None:
-        return False
-    file.seek(end)
+    elif element.count:
+        end, data = file.tell(), np.memmap(file, np.uint8, "r").data
+        try:
+            rows = _equal_rows(data, end, element, order)
+            if rows is not None:
+                end += rows.nbytes
+            else:
+                for item, place, length in _walk(data, end, element, order):
+                    end = place + length * item.width
+        except (ValueError, struct.error):
+            return False
+        file.seek(end)
     return True
 
 
-def _end_of_equals(data: NDArray[np.uint8], place: int, element: Element, order: str) -> int | None:
-    """Where items end whose lists are all as long as those of the first one; None if not."""
-    first = _end(data, place, element, order, 1)
-    if first is None or place + (first - place) * element.count > len(data):
+def _walk(
+    data: memoryview, place: int, element: Element, order: str
+) -> Iterator[tuple[Property, int, int]]:
+    """Each property of each item: where its numbers are, and how many; raises struct.error."""
+    codes = [CODES[item.count] if item.count else "" for item in element.properties]
+    layout = [
+        (item, struct.Struct(order + code), item.width)
+        for item, code in zip(element.properties, codes, strict=True)
+    ]
+    for _ in range(element.count):
+        for item, count, width in layout:
+            (length,) = count.unpack_from(data, place) or (1,)  # what is no list is one number
+            place += count.size
+            yield item, place, length
+            place += length * width
+
+
+def _equal_rows(
+    data: memoryview, place: int, element: Element, order: str
+) -> NDArray[np.void] | None:
+    """All items as rows, if their lists are as long as those of the first one; None if not."""
+    kinds: list[tuple[str, str, int]] = []
+    for item, _, length in _walk(data, place, replace(element, count=1), order):
+        if item.count is not None:
+            kinds.append((f"{item.name} count", order + item.count, 1))
+        kinds.append((item.name, order + item.type, length))
+    row = np.dtype([(name, kind, (length,)) for name, kind, length in kinds])
+    if place + row.itemsize * element.count > len(data):
         return None
-    size = first - place
-    rows = data[place : place + size * element.count].reshape(element.count, size)
-    at = 0
-    for item in element.properties:
-        width = np.dtype(item.type).itemsize
-        if item.count is None:
-            at += width
-            continue
-        count = np.dtype(order + item.count)
-        length = rows[:, at : at + count.itemsize]
-        if (length != length[0]).any():
-            return None
-        at += count.itemsize + int(length[0].copy().view(count)[0]) * width
-    return place + size * element.count
-
-
-def _end(
-    data: NDArray[np.uint8], place: int, element: Element, order: str, number: int | None = None
-) -> int | None:
-    """Where so many items end, or all, counted one by one; None if the data end before."""
-    for _ in range(element.count if number is None else number):
-        for item in element.properties:
-            width = np.dtype(item.type).itemsize
-            if item.count is None:
-                place += width
-                continue
-            count = np.dtype(order + item.count)
-            if place + count.itemsize > len(data):
-                return None
-            length = int(data[place : place + count.itemsize].view(count)[0])
-            place += count.itemsize + length * width
-    return place
+    rows = np.frombuffer(data, row, element.count, place)
+    counts = [rows[name] for name, _, _ in kinds if name.endswith(" count")]
+    return None if any((count != count[0]).any() for count in counts) else rows
 
 
 @dataclass(frozen=True)
-class Vertices:
-    """Where the vertices of a file are in it, and how they are stored."""
+class Items:
+    """Where the items of an element are in a file, and how they are stored."""
 
+    path: Path
     header: Header
     element: Element
     begin: int
     end: int
 
-    def read(self, path: Path) -> NDArray[np.float64]:
-        """The coordinates, (V, 3)."""
-        columns = self.element.columns(AXES)
-        if not self.header.order:
-            with path.open("rb") as file:
-                file.seek(self.begin)
-                lines = [file.readline() for _ in range(self.element.count)]
-            return np.loadtxt(lines, usecols=columns, ndmin=2).reshape(-1, 3)
-        rows = np.fromfile(path, self._row, self.element.count, offset=self.begin)
-        return np.column_stack([rows[axis].astype(np.float64) for axis in AXES])
+    def _lines(self) -> list[bytes]:
+        with self.path.open("rb") as file:
+            file.seek(self.begin)
+            return [file.readline() for _ in range(self.element.count)]
 
     @property
     def _row(self) -> np.dtype[Any]:
@@ -202,33 +195,75 @@ class Vertices:
         assert row is not None
         return row
 
-    def replace(self, path: Path, target: Path, points: NDArray[np.float64]) -> None:
+    def columns(self) -> dict[str, NDArray[np.generic]]:
+        """The numbers of all items, by the names of properties; there must be no lists."""
+        numbers = self._numbers()
+        return {each.name: numbers[each.name].astype(each.type) for each in self.element.properties}
+
+    def points(self) -> NDArray[np.float64]:
+        """The coordinates, (V, 3), with all digits that the file has."""
+        numbers = self._numbers()
+        return np.column_stack([numbers[axis].astype(np.float64) for axis in AXES])
+
+    def _numbers(self) -> Mapping[str, NDArray[Any]]:
+        """The numbers as they are; those of text in double precision."""
+        names = [each.name for each in self.element.properties]
+        if self.header.order:
+            rows = np.fromfile(self.path, self._row, self.element.count, offset=self.begin)
+            return {name: rows[name] for name in names}
+        values = np.loadtxt(self._lines(), usecols=range(len(names)), ndmin=2)
+        return dict(zip(names, values.reshape(-1, len(names)).T, strict=True))
+
+    def lists(self, name: str) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The lengths of the lists of a name, and what is in all of them.
+
+        Raises ValueError, IndexError or struct.error if the file does not hold them.
+        """
+        sizes: list[int] = []
+        found: list[int] = []
+        order = self.header.order
+        if not order:
+            for words in map(bytes.split, self._lines()):
+                at = 0
+                for item in self.element.properties:
+                    length = int(words[at]) if item.count else 0
+                    if item.name == name:
+                        sizes.append(length)
+                        found += [int(word) for word in words[at + 1 : at + 1 + length]]
+                    at += 1 + length
+        elif self.element.count:
+            data = np.memmap(self.path, np.uint8, "r").data
+            rows = _equal_rows(data, self.begin, self.element, order)
+            if rows is not None:
+                lists = rows[name].astype(np.int64)
+                return np.full(len(lists), lists.shape[1]), lists.reshape(-1)
+            for item, place, length in _walk(data, self.begin, self.element, order):
+                if item.name == name:
+                    sizes.append(length)
+                    found += struct.unpack_from(f"{order}{length}{CODES[item.type]}", data, place)
+        return np.array(sizes, dtype=np.int64), np.array(found, dtype=np.int64)
+
+    def replace(self, target: Path, points: NDArray[np.float64]) -> None:
         """Write the file anew with other coordinates, (V, 3), in double precision."""
-        data = path.read_bytes()
-        rows = data[self.begin : self.end]
+        data = self.path.read_bytes()
+        rows, order = data[self.begin : self.end], self.header.order
         head = data[: self.header.start]
         for axis in AXES:
             single = rb"(property\s+)(?:float|float32)(\s+%b\s)" % axis.encode()
             head = re.sub(single, rb"\1double\2", head, count=1)
-        if self.header.order:
-            old = np.frombuffer(rows, self._row)
-            order = self.header.order
+        own = self.element.properties
+        if order:
             kinds = [
-                (item.name, order + ("f8" if item.name in AXES else item.type))
-                for item in self.element.properties
+                (each.name, order + ("f8" if each.name in AXES else each.type)) for each in own
             ]
-            new = old.astype(np.dtype(kinds))
+            new = np.frombuffer(rows, self._row).astype(np.dtype(kinds))
             for axis, values in zip(AXES, points.T, strict=True):
                 new[axis] = values
             rows = new.tobytes()
         else:
-            columns = self.element.columns(AXES)
-            rows = b"".join(
-                replaced(line, columns, point)
-                for line, point in zip(
-                    rows.splitlines(keepends=True), points.tolist(), strict=False
-                )
-            )
+            columns = [[each.name for each in own].index(axis) for axis in AXES]
+            lines = zip(rows.splitlines(keepends=True), points.tolist(), strict=False)
+            rows = b"".join(replaced(line, columns, point) for line, point in lines)
         with target.open("wb") as file:
             file.writelines((head, data[self.header.start : self.begin], rows, data[self.end :]))
 
@@ -241,25 +276,29 @@ def replaced(line: bytes, columns: Iterable[int], point: Iterable[float]) -> byt
     return b" ".join(words) + b"\n"
 
 
-def find_vertices(path: Path, header: Header) -> Vertices | None:
-    """Where the vertices are; None if they have no three coordinates, or lists."""
+def find(path: Path, header: Header, name: str) -> Items | None:
+    """Where the items of an element are; None if there are none, or the file ends before."""
     with path.open("rb") as file:
         file.seek(header.start)
         for element in header.elements:
             begin = file.tell()
-            if element.name == "vertex":
-                if element.row("<") is None or not set(AXES) <= {
-                    p.name for p in element.properties
-                }:
-                    return None
-                pass_over(file, element, header)
-                return Vertices(header, element, begin, file.tell())
-            if not pass_over(file, element, header):
+            is_there = _pass_over(file, element, header)
+            if element.name == name:
+                return Items(path, header, element, begin, file.tell())
+            if not is_there:
                 return None
     return None
 
 
-def pass_over(file: BinaryIO, element: Element, header: Header) -> bool:
+def find_vertices(path: Path, header: Header) -> Items | None:
+    """Where the vertices are; None if they have no three coordinates, or lists."""
+    found = find(path, header, "vertex")
+    if found is None or found.element.row("<") is None:
+        return None
+    return found if set(AXES) <= {item.name for item in found.element.properties} else None
+
+
+def _pass_over(file: BinaryIO, element: Element, header: Header) -> bool:
     """Move past all items of an element; False if a binary file ends before."""
     if header.order:
         return skip(file, element, header.order)

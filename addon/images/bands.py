@@ -7,7 +7,6 @@ import spectral_tv
 
 from ..bands.filtering import filter_values
 from ..scene.notes import note
-from ..scene.objects import Refusal
 from .flows import Request, Still, contrast_of
 from .pixels import Pixels
 from .settings import Settings
@@ -15,14 +14,31 @@ from .settings import Settings
 
 @dataclass(frozen=True)
 class Prepared:
-    """A picture, and what of it is to flow."""
+    """A picture, what of it is to flow, and what of that is asked for."""
 
     pixels: Pixels
     request: Request
+    settings: Settings
 
-    def bands(self, flow: spectral_tv.Flow | Still, settings: Settings) -> np.ndarray:
-        """What each band changes in the colors, (K, H, W, C)."""
-        return self.request.bands(flow, settings.bands)
+    def filtered(self, flow: spectral_tv.Flow | Still) -> Pixels:
+        """The picture with its bands kept, removed or amplified."""
+        bands = self.request.bands(flow, self.settings.bands)
+        return self.pixels.changed(np.tensordot(filter_values(self.settings), bands, axes=1))
+
+    def filtered_bands(self, flow: spectral_tv.Flow | Still) -> np.ndarray:
+        """What is left of the bands alone, as it is in what is stored, (H, W, C)."""
+        gains = 1 + np.array(filter_values(self.settings))
+        bands = self.request.bands(flow, self.settings.bands)
+        return self.pixels.stored_change(np.tensordot(gains, bands, axes=1))
+
+    def parts(self, flow: spectral_tv.Flow | Still) -> tuple[np.ndarray, np.ndarray]:
+        """The bands (K, H, W, C) and the rest (H, W, 3), which add up to the stored picture.
+
+        If luminance is filtered, the bands are grey, and the rest has the colors.
+        """
+        changes = self.request.bands(flow, self.settings.bands)
+        bands = np.stack([self.pixels.stored_change(each) for each in changes])
+        return bands, self.pixels.stored[..., :3] - bands.sum(axis=0)
 
 
 def prepare(pixels: Pixels, settings: Settings) -> Prepared:
@@ -30,12 +46,7 @@ def prepare(pixels: Pixels, settings: Settings) -> Prepared:
 
     Raises Refusal or spectral_tv.MeshError if the picture and the choice do not go together.
     """
-    if settings.bands >= settings.steps:
-        raise Refusal(f"{settings.bands} bands need more than {settings.steps} steps")
-    if settings.finest >= settings.largest:
-        raise Refusal("the finest size is not below the largest")
-    if settings.result == "FILTER":
-        filter_values(settings)  # refused now rather than after the work
+    settings.check()
     pixels.require_finite()
     values = pixels.luminance if settings.channels == "LUMINANCE" else pixels.colors
     contrast = contrast_of(values, pixels.visible) or 1.0
@@ -50,7 +61,7 @@ def prepare(pixels: Pixels, settings: Settings) -> Prepared:
         scheme="exact" if settings.exact else "extrapolated",
     )
     _tell(request)
-    return Prepared(pixels, request)
+    return Prepared(pixels, request, settings)
 
 
 def _tell(request: Request) -> None:
@@ -64,32 +75,3 @@ def _tell(request: Request) -> None:
         note("no four pixels that can be seen make a square: there is nothing to filter")
     elif request.metric == "surface" and request.values.shape[2] > 1 and not request.visible.all():
         note("as parts are transparent, the relief is of what its colors differ in most")
-
-
-def filtered(prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still) -> Pixels:
-    """The picture with its bands kept, removed or amplified."""
-    bands = prepared.bands(flow, settings)
-    return prepared.pixels.changed(np.tensordot(filter_values(settings), bands, axes=1))
-
-
-def filtered_bands(
-    prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
-) -> np.ndarray:
-    """What is left of the bands alone, without the rest, as it is in what is stored (H, W, C)."""
-    gains = 1 + np.array(filter_values(settings))
-    return prepared.pixels.stored_change(
-        np.tensordot(gains, prepared.bands(flow, settings), axes=1)
-    )
-
-
-def parts(
-    prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
-) -> tuple[np.ndarray, np.ndarray]:
-    """The bands (K, H, W, C) and the rest (H, W, 3), which add up to the stored picture.
-
-    If luminance is filtered, the bands are grey, and the rest has the colors.
-    """
-    bands = np.stack(
-        [prepared.pixels.stored_change(each) for each in prepared.bands(flow, settings)]
-    )
-    return bands, prepared.pixels.stored[..., :3] - bands.sum(axis=0)

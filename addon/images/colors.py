@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 
 from ..files.srgb import decoded, encoded
+from ..scene.temporary import Temporary
 
 SRGB = "sRGB"
 # What its conversions by Blender may be off by; it has fast ones, good for 8 bits.
@@ -39,11 +40,9 @@ def names() -> list[str]:
 
 def scene_linear() -> str:
     """The color space that Blender works in, and holds images with floats in."""
-    image = bpy.data.images.new("Colors", 1, 1, float_buffer=True)
-    try:
+    with Temporary() as now:
+        image = now.made(bpy.data.images.new("Colors", 1, 1, float_buffer=True))
         return image.colorspace_settings.name
-    finally:
-        bpy.data.images.remove(image)
 
 
 @cache
@@ -86,23 +85,17 @@ def _to_linear(values: np.ndarray, space: str) -> np.ndarray:
 
 
 def _from_linear(values: np.ndarray, space: str) -> np.ndarray:
-    scene = bpy.data.scenes.new("Colors")
-    with _image(values, scene_linear()) as image, tempfile.TemporaryDirectory() as folder:
-        try:
-            settings = scene.render.image_settings
-            settings.file_format, settings.color_mode, settings.color_depth = _EXR
-            settings.color_management = "OVERRIDE"
-            settings.linear_colorspace_settings.name = space
-            path = Path(folder) / "colors.exr"
-            image.save_render(str(path), scene=scene)
-        finally:
-            bpy.data.scenes.remove(scene)
-        written = bpy.data.images.load(str(path))
-        try:
-            make_raw(written)
-            return _pixels(written)
-        finally:
-            bpy.data.images.remove(written)
+    with Temporary() as now, tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "colors.exr"
+        scene = now.made(bpy.data.scenes.new("Colors"))
+        settings = scene.render.image_settings
+        settings.file_format, settings.color_mode, settings.color_depth = _EXR
+        settings.color_management = "OVERRIDE"
+        settings.linear_colorspace_settings.name = space
+        now.enter_context(_image(values, scene_linear())).save_render(str(path), scene=scene)
+        written = now.made(bpy.data.images.load(str(path)))
+        make_raw(written)
+        return _pixels(written)
 
 
 def make_raw(image: bpy.types.Image) -> None:
@@ -115,16 +108,15 @@ def make_raw(image: bpy.types.Image) -> None:
 def _image(values: np.ndarray, space: str) -> Iterator[bpy.types.Image]:
     """A float image of values (H, W, 3)."""
     height, width, _ = values.shape
-    image = bpy.data.images.new("Colors", width, height, alpha=True, float_buffer=True)
-    try:
+    with Temporary() as now:
+        image = bpy.data.images.new("Colors", width, height, alpha=True, float_buffer=True)
+        now.made(image)
         image.colorspace_settings.name = space
         image.alpha_mode = "CHANNEL_PACKED"
         stored = np.ones((height, width, 4), dtype=np.float32)
         stored[..., :3] = values
         image.pixels.foreach_set(stored.ravel())
         yield image
-    finally:
-        bpy.data.images.remove(image)
 
 
 def _pixels(image: bpy.types.Image) -> np.ndarray:

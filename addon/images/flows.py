@@ -49,7 +49,8 @@ class Request:
     def start(self) -> spectral_tv.Job:
         """Start it in a thread."""
         if self.visible.all():
-            return spectral_tv.start_decompose_image(**self._arguments())
+            how = {"metric": self.metric, "height": self.height, "scheme": self.scheme}
+            return spectral_tv.start_decompose_image(self.values, times=self.times, **how)
         return spectral_tv.start_flow(*self._of_mesh(), scheme=self.scheme)
 
     def bands(self, flow: spectral_tv.Flow | Still, count: int) -> np.ndarray:
@@ -62,15 +63,6 @@ class Request:
         bands = np.zeros((count, *self.values.shape))
         bands[:, self.visible] = found
         return bands
-
-    def _arguments(self) -> dict[str, Any]:
-        return {
-            "image": self.values,
-            "metric": self.metric,
-            "times": self.times,
-            "height": self.height,
-            "scheme": self.scheme,
-        }
 
     def _of_mesh(self) -> tuple[spectral_tv.Mesh, np.ndarray, np.ndarray]:
         """The grid of an image as a mesh, without the pixels that are not visible.

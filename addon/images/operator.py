@@ -5,12 +5,11 @@ import spectral_tv
 from bpy.props import StringProperty
 
 from ..job.operator import JobOperator
-from ..options import rows
 from ..scene.objects import Refusal
 from . import results, sources
 from .bands import Prepared, prepare
 from .flows import STILL, Still
-from .properties import COLUMNS, ImageChoices
+from .properties import ImageChoices
 
 
 class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator):
@@ -68,10 +67,5 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator)
     def write(
         self, image: bpy.types.Image, prepared: Prepared, result: spectral_tv.Flow | Still
     ) -> str:
-        names = results.write(image, prepared, self.settings(), result)
+        names = results.write(image, prepared, result)
         return f"written as {', '.join(map(repr, names))}"
-
-    def draw(self, _context: bpy.types.Context) -> None:
-        """Lay out Adjust Last Operation."""
-        self.layout.use_property_split = True
-        rows.draw(self.layout, self, *COLUMNS)

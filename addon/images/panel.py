@@ -4,10 +4,8 @@ import bpy
 
 from ..drawing.sidebar import say
 from ..drawing.work import WorkPanel, draw_button, draw_needs
-from ..job import estimates
-from ..options import rows
+from ..job.estimates import of_values
 from .operator import SPECTRAL_TV_OT_filter_image
-from .properties import COLUMNS
 from .results import source_of
 from .sources import refusal
 
@@ -17,9 +15,10 @@ class SPECTRAL_TV_PT_image(WorkPanel, bpy.types.Panel):
 
     bl_space_type = "IMAGE_EDITOR"
     bl_label = "Filter Image"
+    kept = "spectral_tv_images"
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        rows.draw(layout, context.scene.spectral_tv_images, *COLUMNS)
+        super().choices(context, layout)
         image = context.edit_image
         if image is not None and source_of(image) is not None:
             layout.prop(image.spectral_tv, "source")
@@ -32,8 +31,8 @@ class SPECTRAL_TV_PT_image(WorkPanel, bpy.types.Panel):
             say(layout, context, reason, "INFO")
         else:
             width, height = subject.size
-            needs = estimates.of_image(width * height, choices.steps, exact=choices.exact)
-            draw_needs(layout, context, needs)
+            smaller, how = "a smaller image", (choices.steps, choices.exact)
+            draw_needs(layout, context, of_values(width * height, *how, smaller=smaller))
         row = layout.row()
         row.enabled = reason is None
         draw_button(row, SPECTRAL_TV_OT_filter_image, "IMAGE_DATA", choices)

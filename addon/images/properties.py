@@ -5,12 +5,11 @@ from bpy.props import CollectionProperty, PointerProperty, StringProperty
 
 from ..bands.filtering import SidebarFilter
 from ..options.properties import choices_of
-from .results import SpectralTVImageResult
+from ..scene.documents import SpectralTVDocument
 from .settings import Settings
 
-ImageChoices = choices_of(Settings)
-# The columns of a panel: what is split, in what sizes, the filter, how.
-COLUMNS = ("what", "sizes bands", "filter", "exact steps")
+# What is split, in what sizes, the filter, how.
+ImageChoices = choices_of(Settings, "what", "sizes bands", "filter", "exact steps")
 
 
 class SpectralTVImages(SidebarFilter, ImageChoices, bpy.types.PropertyGroup):
@@ -18,7 +17,7 @@ class SpectralTVImages(SidebarFilter, ImageChoices, bpy.types.PropertyGroup):
 
     owner = bpy.types.Scene, "spectral_tv_images"
 
-    results: CollectionProperty(type=SpectralTVImageResult)
+    results: CollectionProperty(type=SpectralTVDocument)
 
 
 class SpectralTVImage(bpy.types.PropertyGroup):

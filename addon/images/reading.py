@@ -10,20 +10,13 @@ import numpy as np
 from ..files.headers import Header, Torn, Unreadable, read_header
 from ..scene.notes import note
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from . import colors
-from .formats import STEPS
+from .formats import BY_SUFFIX, STEPS
 from .pixels import Pixels
 from .sources import refusal, stored_in
 
 UPRIGHT, MIRRORED_ALONG_DIAGONAL = 1, 5
-# The suffixes of formats, by the names that their headers have.
-SUFFIXES = {
-    "PNG": (".png",),
-    "JPEG": (".jpg", ".jpeg"),
-    "TIFF": (".tif", ".tiff"),
-    "WebP": (".webp",),
-    "OpenEXR": (".exr",),
-}
 
 
 @dataclass(frozen=True)
@@ -55,8 +48,8 @@ def read_picture(path: Path, space: str | None = None) -> Picture:
         header = read_header(path)
     except (Torn, Unreadable) as error:
         raise Refusal(str(error)) from error
-    image = bpy.data.images.load(str(path.absolute()))
-    try:
+    with Temporary() as now:
+        image = now.made(bpy.data.images.load(str(path.absolute())))
         reason = refusal(image)
         if reason is not None:
             raise Refusal(reason)
@@ -68,8 +61,6 @@ def read_picture(path: Path, space: str | None = None) -> Picture:
             space = colors.scene_linear() if space else image.colorspace_settings.name
         colors.make_raw(image)
         stored = stored_in(image)
-    finally:
-        bpy.data.images.remove(image)
     if header.depth in STEPS:  # Blender's are rounded otherwise
         steps = STEPS[header.depth]
         stored = (np.rint(stored.astype(np.float64) * steps) / steps).astype(np.float32)
@@ -116,7 +107,8 @@ def _guessed(image: bpy.types.Image) -> Header:
 
 def _tell(path: Path, header: Header) -> None:
     """Note what of a file is not kept."""
-    if path.suffix.lower() not in SUFFIXES[header.format]:
+    form = BY_SUFFIX.get(path.suffix.lower())
+    if form is None or form.name.replace("_", "") != header.format.upper():
         note(f"it is a file of the format {header.format}, whatever its name says")
     if header.unread:
         note(f"not kept: {', '.join(header.unread)}")

@@ -1,23 +1,16 @@
-"""Images that were made from another image, and recognising them later.
-
-The scene remembers what was written. Its pointers follow an image that is renamed, and do not point
-to copies. A result is written over only if the record points to it, it still names its source, and
-nobody has changed it since. Otherwise it is the user's, and stays.
-"""
+"""Images that are made of another image, written over those of the last time."""
 
 from collections.abc import Collection
 
 import bpy
 import numpy as np
 import spectral_tv
-from bpy.props import PointerProperty, StringProperty
 
-from ..scene.documents import written_digest
+from ..scene.documents import images_of, remember_image
 from ..scene.notes import note
-from .bands import Prepared, filtered, filtered_bands, parts
+from .bands import Prepared
 from .flows import Still
 from .pixels import Pixels
-from .settings import Settings
 
 BAND, REST, FILTERED = "Band", "Rest", "Filtered"
 # Bytes that the names of images may have in all versions.
@@ -28,30 +21,20 @@ HALF_STEP = 0.5 / 255
 OWN_USERS = 2
 
 
-class SpectralTVImageResult(bpy.types.PropertyGroup):
-    """One image that was written."""
-
-    image: PointerProperty(type=bpy.types.Image, name="Image")
-    source: PointerProperty(type=bpy.types.Image, name="Source")
-    label: StringProperty(name="Label", description="What it is of its source")
-    digest: StringProperty(name="Digest", description="Of the packed file that was written")
-
-
 def source_of(image: bpy.types.Image) -> bpy.types.Image | None:
     """What an image was written of; None if it is none of ours, or the user cleared its source."""
     source = image.spectral_tv.source
     known = source is not None and any(
-        (each.image, each.source) == (image, source) for each in _records()
+        (each.image, each.source) == (image, source) for records in _lists() for each in records
     )
     return source if known else None
 
 
-def write(
-    source: bpy.types.Image, prepared: Prepared, settings: Settings, flow: spectral_tv.Flow | Still
-) -> list[str]:
+def write(source: bpy.types.Image, prepared: Prepared, flow: spectral_tv.Flow | Still) -> list[str]:
     """Write what was chosen as images beside the source; returns their names."""
+    settings = prepared.settings
     if settings.result == "BANDS":
-        bands, rest = parts(prepared, settings, flow)
+        bands, rest = prepared.parts(flow)
         written = [
             _write_data(source, f"{BAND} {number}", band)
             for number, band in enumerate(bands, start=1)
@@ -59,9 +42,9 @@ def write(
         written.append(_write_data(source, REST, rest))
         _remove_surplus(source, {image.spectral_tv.label for image in written})
     elif settings.keep_rest:
-        written = [_write_colors(source, FILTERED, filtered(prepared, settings, flow))]
+        written = [_write_colors(source, FILTERED, prepared.filtered(flow))]
     else:
-        written = [_write_data(source, FILTERED, filtered_bands(prepared, settings, flow))]
+        written = [_write_data(source, FILTERED, prepared.filtered_bands(flow))]
     return [image.name for image in written]
 
 
@@ -100,16 +83,12 @@ def _fill(source: bpy.types.Image, label: str, image: bpy.types.Image, stored: n
     image.pack()
     image.buffers_free()  # read anew, in its color space
     image.update()
-    image.spectral_tv.source, image.spectral_tv.label = source, label
-    records = [each for each in _records() if each.image == image]  # copies of scenes have copies
-    for each in records or [bpy.context.scene.spectral_tv_images.results.add()]:
-        each.image, each.source, each.label = image, source, label
-        each.digest = written_digest(image)
+    remember_image(_lists(), source, label, image)
 
 
 def _target(source: bpy.types.Image, label: str, is_float: bool) -> bpy.types.Image:
     """The image to write into; one of another size or depth takes the place of the former."""
-    former = _own(source, {label}).get(label)
+    former = images_of(_lists(), source, lambda each: each == label).get(label)
     wanted = (*source.size, is_float)
     if former is not None and (*former.size, former.is_float) == wanted:
         return former
@@ -126,44 +105,19 @@ def _target(source: bpy.types.Image, label: str, is_float: bool) -> bpy.types.Im
 
 def _remove_surplus(source: bpy.types.Image, labels: Collection[str]) -> None:
     """Remove bands of an earlier run that there are no more."""
-    surplus = {
-        each.label
-        for each in _records()
-        if each.source == source and each.label.startswith(BAND) and each.label not in labels
-    }
-    for image in _own(source, surplus).values():
+
+    def is_surplus(label: str) -> bool:
+        return label.startswith(BAND) and label not in labels
+
+    for image in images_of(_lists(), source, is_surplus).values():
         if image.users > OWN_USERS:
             note(f"{image.name!r} is of an earlier run; it is used, and is kept")
         else:
             bpy.data.images.remove(image)
 
 
-def _own(source: bpy.types.Image, labels: Collection[str]) -> dict[str, bpy.types.Image]:
-    """By label, the images that were written of a source and are ours still.
-
-    What is no longer is noted, and forgotten.
-    """
-    found = {}
-    for scene in _scenes():
-        results = scene.spectral_tv_images.results
-        for place in reversed(range(len(results))):
-            each = results[place]
-            if each.image is None:
-                results.remove(place)
-            elif each.source == source and each.label in labels:
-                if each.image.spectral_tv.source == source and (
-                    written_digest(each.image) == each.digest
-                ):
-                    found[each.label] = each.image
-                else:
-                    note(f"{each.image.name!r} was changed since, and is kept")
-                    results.remove(place)
-    return found
-
-
-def _records() -> list[SpectralTVImageResult]:
-    return [each for scene in _scenes() for each in scene.spectral_tv_images.results]
-
-
-def _scenes() -> list[bpy.types.Scene]:
-    return [scene for scene in bpy.data.scenes if scene.library is None]
+def _lists() -> list[bpy.types.bpy_prop_collection]:
+    """What the scenes remember, the present one first; copies of scenes have copies."""
+    others = [scene for scene in bpy.data.scenes if scene.library is None]
+    scenes = dict.fromkeys((bpy.context.scene, *others))
+    return [scene.spectral_tv_images.results for scene in scenes]

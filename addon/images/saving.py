@@ -8,12 +8,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..command_line.formats import a
 from ..files import picture_tags
 from ..files.checks import check
 from ..files.profiles import fits, name_of
 from ..files.tiff import Meaning, write_tiff
 from ..scene.notes import note
 from ..scene.objects import Refusal
+from ..scene.temporary import Temporary
 from . import colors
 from .colors import Kind
 from .formats import BY_SUFFIX, DEPTHS, HALF_MAX, STEPS, Format
@@ -35,6 +37,7 @@ class Target:
     """A file to write."""
 
     path: Path
+    suffix: str
     form: Format
     depth: str
     # Of formats that have one, in percent.
@@ -44,17 +47,6 @@ class Target:
     def is_integer(self) -> bool:
         """Whether it holds nothing below black and above white."""
         return self.depth in STEPS
-
-    @property
-    def is_lossy(self) -> bool:
-        """Whether its values are not those that it is given."""
-        return self.form.name == "JPEG" or (self.form.name == "WEBP" and self.quality != 100)
-
-    @property
-    def a_file(self) -> str:
-        """How messages call it, whose path may be one for the time being."""
-        suffix = self.path.suffix.lower()
-        return f"an {suffix}" if suffix == ".exr" else f"a {suffix}"
 
 
 def save_picture(
@@ -66,10 +58,10 @@ def save_picture(
     linear ones of floats to sRGB in 8 and 16 bits. What cannot be kept is noted. Raises Refusal,
     Torn if the file was cut short, RuntimeError if Blender cannot write it, and OSError.
     """
-    form = BY_SUFFIX[path.suffix.lower()]
-    target = Target(
-        path, form, depth or form.depth_for(picture.header.depth), quality or form.quality
-    )
+    suffix = path.suffix.lower()
+    form = BY_SUFFIX[suffix]
+    depth = depth or form.depth_for(picture.header.depth)
+    target = Target(path, suffix, form, depth, quality or form.quality)
     if target.depth not in form.holding(picture.header.depth):
         note(f"written with {DEPTHS[target.depth]}; the input has {DEPTHS[picture.header.depth]}")
     with _scene(target) as scene:
@@ -115,7 +107,7 @@ def _of_alpha(pixels: Pixels, target: Target, holds_alpha: bool) -> Pixels:
         count = int((alpha < 1).sum())
         if count:
             note(
-                f"{target.a_file} has no alpha: {count} pixels that were transparent are shown "
+                f"{a(target.suffix)} has no alpha: {count} pixels that were transparent are shown "
                 "in full"
             )
         opaque = pixels.associated(False)
@@ -162,7 +154,7 @@ def _channels(picture: Picture, pixels: Pixels, target: Target) -> str:
         grey, colors_ = "grey", "red, green and blue"
         if pixels.has_alpha:
             grey, colors_ = "grey with alpha", "red, green, blue and alpha"
-        note(f"its {grey} becomes {colors_}, as no {grey} is written to {target.a_file}")
+        note(f"its {grey} becomes {colors_}, as no {grey} is written to {a(target.suffix)}")
     return "RGBA" if pixels.has_alpha else "RGB"
 
 
@@ -208,9 +200,9 @@ def _save_by_blender(
         # Blender divides floats by alpha, where that is not 0.
         alpha = pixels.stored[..., 3:]
         stored[..., :3] = pixels.stored[..., :3] * np.where(alpha == 0, 1, alpha)
-    image = bpy.data.images.new("Picture", width, height, alpha=True, float_buffer=is_float)
-    try:
-        colors.make_raw(image)
+    with Temporary() as now:
+        image = bpy.data.images.new("Picture", width, height, alpha=True, float_buffer=is_float)
+        colors.make_raw(now.made(image))
         image.pixels.foreach_set(stored.ravel())
         if picture.header.resolution is not None:
             image.resolution = picture.header.resolution
@@ -221,8 +213,6 @@ def _save_by_blender(
         else:
             settings.linear_colorspace_settings.name = colors.scene_linear()
         image.save_render(str(target.path), scene=scene, quality=target.quality or 0)
-    finally:
-        bpy.data.images.remove(image)
 
 
 def _add_tags(
@@ -249,23 +239,21 @@ def _add_tags(
 def _check(pixels: Pixels, target: Target) -> None:
     """Read the file again; raises RuntimeError if it holds anything else than it should."""
     check(target.path)
-    image = bpy.data.images.load(str(target.path))
-    try:
+    with Temporary() as now:
+        image = now.made(bpy.data.images.load(str(target.path)))
         assumed = image.colorspace_settings.name
         colors.make_raw(image)
         height, width, _ = pixels.stored.shape
         if tuple(image.size) != (width, height):
             raise RuntimeError("Blender cannot read it again")
         found = stored_in(image)
-    finally:
-        bpy.data.images.remove(image)
     if assumed != pixels.space:
         note(
             f"its colors are in {pixels.space}, but Blender will open it as {assumed}: choose "
             "the first as its Color Space"
         )
-    if target.is_lossy:
-        return
+    if target.form.name == "JPEG" or (target.form.name == "WEBP" and target.quality != 100):
+        return  # its values are not those that it was given
     wanted = pixels.stored
     if target.form.loses_hidden and pixels.has_alpha:
         shown = wanted[..., 3] > OF_STEP / STEPS["8"]
@@ -284,8 +272,8 @@ def _check(pixels: Pixels, target: Target) -> None:
 @contextmanager
 def _scene(target: Target) -> Iterator[bpy.types.Scene]:
     """A scene whose settings have Blender write values as they are."""
-    scene = bpy.data.scenes.new("Picture")
-    try:
+    with Temporary() as now:
+        scene = now.made(bpy.data.scenes.new("Picture"))
         scene.render.dither_intensity = 0
         settings = scene.render.image_settings
         settings.file_format = target.form.name
@@ -297,8 +285,6 @@ def _scene(target: Target) -> Iterator[bpy.types.Scene]:
         except TypeError as error:
             raise Refusal("the color management of this Blender has no view Raw") from error
         yield scene
-    finally:
-        bpy.data.scenes.remove(scene)
 
 
 def _holds_alpha(scene: bpy.types.Scene) -> bool:

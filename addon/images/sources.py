@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 
 from ..scene.contents import digest
+from ..scene.temporary import Temporary
 from . import colors
 from .colors import Kind
 from .pixels import Pixels
@@ -85,12 +86,10 @@ def _of_file(image: bpy.types.Image, stored: np.ndarray) -> np.ndarray | None:
     """The values in the file of an image; None if what is seen is not what is in it."""
     if image.source != "FILE" or image.is_dirty:
         return None
-    copy = image.copy()
-    try:
+    with Temporary() as now:
+        copy = now.made(image.copy())
         alike = (tuple(copy.size), copy.channels) == (tuple(image.size), image.channels)
         if not alike or not np.array_equal(stored_in(copy), stored, equal_nan=True):
             return None
         colors.make_raw(copy)
         return stored_in(copy)
-    finally:
-        bpy.data.images.remove(copy)

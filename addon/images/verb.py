@@ -2,16 +2,18 @@
 
 import argparse
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 
 import bpy
 
 from ..bands.gain_arguments import add_gains, band_values, complaint_of_gains
+from ..bands.gains import too_few_steps
 from ..command_line.arguments import (
-    EXIT_CODES,
     add_places,
     add_report,
     complaint_of_clashes,
+    complaint_of_places,
     ensure_file,
     is_folder,
 )
@@ -22,9 +24,9 @@ from ..command_line.writing import written_by_blender
 from ..files.room import with_room
 from ..files.whole import ensure_writable
 from ..options.arguments import add_arguments as add_options
-from ..options.arguments import whole
+from ..options.arguments import read, whole
 from . import colors
-from .bands import filtered, prepare
+from .bands import prepare
 from .formats import BY_SUFFIX, DEPTHS, FORMATS
 from .reading import read_picture
 from .saving import save_picture
@@ -54,15 +56,14 @@ the color space of the input, as far as its format has them; only .exr gets scen
   blender --command spectral_tv image *.png -o results --luminance --curve 0:0,0.5:1,1:2
   blender --command spectral_tv image height.tif -o smooth.exr --colorspace Non-Color --gain 1=0"""
 
-    def add_parser(self, commands: argparse._SubParsersAction) -> None:
-        """Add the verb to the command line."""
-        parser = commands.add_parser(
-            self.name,
-            help=self.summary,
-            description=self.description,
-            epilog=f"writes: {WRITES}\n\nexamples:\n{self.examples}\n\n{EXIT_CODES}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
+    @staticmethod
+    def formats() -> str:
+        """Lines that tell what it writes."""
+        return f"writes: {WRITES}"
+
+    @classmethod
+    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
+        """Declare what it takes."""
         add_places(parser, "a picture that Blender reads", "the picture", "png", is_required=True)
         add = parser.add_argument
         add(
@@ -90,45 +91,40 @@ the color space of the input, as far as its format has them; only .exr gets scen
         add_options(parser, Settings)
         add_gains(parser)
         add_report(parser)
-        parser.set_defaults(run=self._run, parser=parser)
 
-    def complaint(self, choices: argparse.Namespace) -> str | None:
+    def complaint(self) -> str | None:
         """What is wrong with the arguments together; None if nothing is."""
-        output = choices.output
-        if len(choices.inputs) > 1 and not is_folder(output):
-            return f"several inputs need a folder that exists: -o {output}"
-        if choices.format is not None and not is_folder(output):
-            return "--format goes with -o and a folder that exists"
-        if not is_folder(output) and not is_folder(output.parent):
-            return f"there is no folder {output.parent}"
-        reason = _complaint_of_targets(choices) or _complaint_of_space(choices)
-        if choices.bands >= choices.steps:
-            reason = reason or f"{choices.bands} bands need more than {choices.steps} steps"
+        choices = self.choices
+        reason = complaint_of_places(choices, [("-o", choices.output)])
+        reason = reason or _complaint_of_targets(choices) or _complaint_of_space(choices)
+        reason = reason or too_few_steps(choices.bands, choices.steps)
         return reason or complaint_of_gains(choices, choices.bands)
 
-    def settings(self, choices: argparse.Namespace) -> Settings:
+    @cached_property
+    def asked(self) -> Settings:
         """The options that were chosen, and the filter."""
+        choices = self.choices
         gains = [1 + value for value in band_values(choices, choices.bands)]
         return replace(
-            super().settings(choices),
+            read(choices, Settings),
             channels="LUMINANCE" if choices.luminance else "ALL",
             preset="GAINS",
             gains=" ".join(map(repr, gains)),
         )
 
-    def _treat_file(self, choices: argparse.Namespace, source: Path, entry: Entry) -> None:
+    def _treat_file(self, source: Path, entry: Entry) -> None:
+        choices = self.choices
         target = _target(choices, source)
         ensure_file(source)
         ensure_writable(target.absolute())
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         picture = read_picture(source, choices.colorspace)
         entry.read = picture.told()
-        settings = self.settings(choices)
-        prepared = prepare(picture.pixels, settings)
+        prepared = prepare(picture.pixels, self.asked)
         with progress(str(source)) as show:
             flow = prepared.request.run(show)
-        result = replace(picture, pixels=filtered(prepared, settings, flow))
-        entry.done = {"verb": self.name, "settings": self.settings_of(choices)}
+        result = replace(picture, pixels=prepared.filtered(flow))
+        entry.done = {"verb": self.name, "settings": self.told()}
         # A disk that gets full would end the process when Blender reads what it has written.
         most = REST + PIXEL * picture.pixels.stored[..., 0].size
         with written_by_blender(target) as path, with_room(path, most) as place:

@@ -1,6 +1,6 @@
 """Estimates of the memory and the time of work, in words."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import spectral_tv
@@ -39,25 +39,16 @@ class Needs:
         return f"{about} {_time(self.seconds)}, {_memory(self.bytes)} of memory"
 
 
-def of_values(count: int, steps: int, *, exact: bool) -> Needs:
-    """What a flow of values at so many vertices takes; that of three functions."""
+def of_values(count: int, steps: int, exact: bool, **more: Any) -> Needs:
+    """What a flow of values at so many vertices or pixels takes; that of three functions."""
     scheme: Any = "exact" if exact else "extrapolated"
-    return total([spectral_tv.estimate(count, "m1", steps=steps, scheme=scheme)])
+    return total([spectral_tv.estimate(count, "m1", steps=steps, scheme=scheme)], **more)
 
 
-def of_image(pixels: int, steps: int, *, exact: bool) -> Needs:
-    """The same at so many pixels."""
-    return replace(of_values(pixels, steps, exact=exact), smaller="a smaller image")
-
-
-def total(found: list[spectral_tv.Estimate], is_least: bool = False) -> Needs:
+def total(found: list[spectral_tv.Estimate], **more: Any) -> Needs:
     """What several take together."""
-    return Needs(
-        bytes=sum(each.bytes for each in found),
-        available=found[0].available,
-        seconds=sum(each.seconds for each in found),
-        is_least=is_least,
-    )
+    bytes_, seconds = sum(each.bytes for each in found), sum(each.seconds for each in found)
+    return Needs(bytes_, found[0].available, seconds, **more)
 
 
 def _memory(size: int) -> str:

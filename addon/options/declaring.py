@@ -50,10 +50,10 @@ class Option:
     other: tuple[str, str] = ("", "")
     # Of names: the collection that has them, or what lists them.
     search: str | Callable[..., list[str]] | None = None
-    # Of shares: the switch that has them count, with its label and text; what is shown while it is
-    # off, a property of the settings; and the option that is of no account while it is on.
+    # Of shares: the switch that has them count, with its label and text; what settings show while
+    # it is off; and the option that is of no account while it is on.
     switch: tuple[str, str, str] = ("", "", "")
-    own: str = ""
+    own: Callable[[Any], float] | None = None
     instead_of: str = ""
     applies: tuple[Only, ...] = ()
     place: str = ""

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from . import rows
 from .declaring import Option, options_of
 
 KINDS = {
@@ -26,6 +27,13 @@ class Choices:
     """What a user chooses, as properties; a class of :func:`choices_of`."""
 
     declared_by: ClassVar[type]
+    # The places of the options that are laid out, a column for each text.
+    columns: ClassVar[tuple[str, ...]]
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Lay out Adjust Last Operation."""
+        self.layout.use_property_split = True
+        rows.draw(self.layout, self, *self.columns)
 
     def settings(self) -> Any:
         """The properties as they are, in the dataclass that declares them."""
@@ -46,19 +54,18 @@ class Choices:
             setattr(self, switch, any(getattr(settings, name) for name in sharing))
 
 
-def choices_of(kind: type) -> type[Choices]:
+def choices_of(kind: type, *columns: str, **more: Any) -> type[Choices]:
     """A base of operators and property groups, with a property for each option of ``kind``."""
-    return _class(kind, dict(_declared(kind)))
+    annotations = {**dict(_declared(kind)), **more}
+    members = {"__annotations__": annotations, "declared_by": kind, "columns": columns}
+    return type("Choices", (Choices,), members)
 
 
 def sidebar_of(kind: type) -> type[Choices]:
     """The same for the sidebar: with ``shown_…``, what a share that is 0 stands for."""
-    shown = {
-        f"shown_{name}": _shown(name, option)
-        for name, option in options_of(kind).items()
-        if option.own
-    }
-    return _class(kind, {**dict(_declared(kind)), **shown})
+    options = options_of(kind).items()
+    shown = {f"shown_{name}": _shown(name, option) for name, option in options if option.own}
+    return choices_of(kind, **shown)
 
 
 def property_of(kind: type, name: str) -> Any:
@@ -72,10 +79,6 @@ def give(choices: bpy.types.PropertyGroup, target: bpy.types.OperatorProperties,
         if "declared_by" in vars(cls):
             for name in inspect.get_annotations(cls):
                 setattr(target, name, getattr(choices, name))
-
-
-def _class(kind: type, annotations: dict[str, Any]) -> type[Choices]:
-    return type("Choices", (Choices,), {"__annotations__": annotations, "declared_by": kind})
 
 
 def _declared(kind: type) -> Iterator[tuple[str, Any]]:
@@ -110,7 +113,7 @@ def _shown(name: str, option: Option) -> Any:
 
     def get(choices: Any) -> float:
         chosen = getattr(choices, name) if getattr(choices, option.switch[0]) else 0.0
-        return chosen or PERCENT * getattr(choices.settings(), option.own)
+        return chosen or PERCENT * option.own(choices.settings())
 
     def choose(choices: Any, value: float) -> None:
         setattr(choices, name, max(value, least))

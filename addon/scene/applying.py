@@ -15,6 +15,7 @@ from .contents import digest, topology_digest
 from .coordinates import coordinates
 from .notes import note
 from .objects import Refusal
+from .temporary import Temporary
 
 # What these do depends on what was before, or cannot be worked out for another shape.
 SIMULATIONS = (
@@ -77,30 +78,26 @@ def _why_not(obj: bpy.types.Object, modifier: bpy.types.Modifier | None) -> str:
 @contextmanager
 def _evaluated(obj: bpy.types.Object, name: str) -> Iterator[Applied]:
     """What the modifier makes of every shape key, worked out on a copy of the object."""
-    copy = obj.copy()
-    mesh = copy.data = obj.data.copy()
-    made: list[bpy.types.Mesh] = []
-    try:
+    with Temporary() as now:
+        mesh = now.made(obj.data.copy())
+        copy = now.made(obj.copy())
+        copy.data = mesh
         bpy.context.scene.collection.objects.link(copy)
         copy.hide_viewport = False
         copy.shape_key_clear()
         for other in [each for each in copy.modifiers if each.name != name]:
             copy.modifiers.remove(other)
-        shapes = []
+        shapes, basis = [], None
         for key in obj.data.shape_keys.key_blocks:
             mesh.vertices.foreach_set("co", coordinates(key.data))
             mesh.update()
-            result = mesh_of(copy)
-            made.append(result)
-            shapes.append(coordinates(result.vertices))
-            if len(made) > 1:
-                _check(name, key.name, made[0], result)
-                bpy.data.meshes.remove(made.pop())
-        copy.data = made[0]
-        yield Applied(made[0], shapes, copy.vertex_groups.keys())
-    finally:
-        bpy.data.objects.remove(copy)
-        bpy.data.batch_remove([mesh, *made])
+            with Temporary() as meanwhile:
+                result = (now if basis is None else meanwhile).made(mesh_of(copy))
+                basis = basis or result
+                _check(name, key.name, basis, result)
+                shapes.append(coordinates(result.vertices))
+        now.put(copy, "data", basis)
+        yield Applied(basis, shapes, copy.vertex_groups.keys())
 
 
 def _check(name: str, key: str, basis: bpy.types.Mesh, other: bpy.types.Mesh) -> None:
@@ -127,15 +124,13 @@ def _write(obj: bpy.types.Object, applied: Applied) -> None:
         mesh.materials.append(material)
     # A BMesh that was read from it alone knows which keys are which.
     edited = bmesh.new()
-    try:
-        edited.from_mesh(mesh)
-        bmesh.ops.delete(edited, geom=edited.verts[:], context="VERTS")
-        edited.from_mesh(applied.mesh)
-        for sequence in (edited.verts, edited.edges, edited.faces):
-            sequence.sort()  # they are where room was found
-        edited.to_mesh(mesh)
-    finally:
-        edited.free()
+    edited.from_mesh(mesh)
+    bmesh.ops.delete(edited, geom=edited.verts[:], context="VERTS")
+    edited.from_mesh(applied.mesh)
+    for sequence in (edited.verts, edited.edges, edited.faces):
+        sequence.sort()  # they are where room was found
+    edited.to_mesh(mesh)
+    edited.free()
     for key, shape in zip(mesh.shape_keys.key_blocks, applied.keys, strict=True):
         key.data.foreach_set("co", shape)
     mesh.vertices.foreach_set("co", applied.keys[0])

@@ -1,6 +1,6 @@
 """What animates shape keys: F-curves in the action and in NLA strips, and drivers."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -57,11 +57,24 @@ class Animated:
 
 def actions_of(data: bpy.types.ID) -> list[Animated]:
     """All actions that animate shape keys or others: the active one, and those of strips."""
-    animation = data.animation_data
+    animation = getattr(data, "animation_data", None)
     if animation is None:
         return []
     strips = [strip for track in animation.nla_tracks for strip in _strips(track.strips)]
     return [Animated(user, user.action) for user in (animation, *strips) if user.action is not None]
+
+
+def drivers_of(data: bpy.types.ID) -> Sequence[bpy.types.FCurve]:
+    """The drivers of a data-block's properties."""
+    animation = getattr(data, "animation_data", None)
+    return () if animation is None else animation.drivers
+
+
+def curves_and_drivers(data: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
+    """All that animates properties of a data-block."""
+    for animated in actions_of(data):
+        yield from animated.curves or ()
+    yield from drivers_of(data)
 
 
 def key_path(key: bpy.types.ShapeKey, name: str = "") -> str:

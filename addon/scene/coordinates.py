@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 
 from .arrays import corner_vertices, numbers, polygon_starts
+from .temporary import Temporary
 
 
 def coordinates(data: bpy.types.bpy_prop_collection) -> np.ndarray:
@@ -37,11 +38,8 @@ def triangles(mesh: bpy.types.Mesh, shape: np.ndarray | None = None) -> np.ndarr
     In a ``shape`` (V, 3) of its own a polygon may be cut another way.
     """
     if shape is not None and len(mesh.loops) > 3 * len(mesh.polygons):
-        bent = _bent(mesh, shape)
-        try:
-            return triangles(bent)
-        finally:
-            bpy.data.meshes.remove(bent)
+        with Temporary() as now:
+            return triangles(now.made(_bent(mesh, shape)))
     mesh.calc_loop_triangles()
     corners = numbers(mesh.loop_triangles, "vertices", 3)
     return corners.reshape(-1, 3)

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import bpy
 import numpy as np
 
 from .fcurves import TOGETHER, Point
+from .temporary import Temporary
 
 # A jump between two keyframes takes so long, in frames.
 JUMP = 0.02
@@ -46,14 +47,10 @@ def total(terms: Sequence[Term]) -> list[Point]:
 
 def _sampled(moving: Sequence[Term], offset: float) -> list[Point]:
     """The sum of curves of any kind: on all their frames, and between them as often as needed."""
-    modifiers = [each for term in moving for each in term.curve.modifiers if not each.mute]
-    for modifier in modifiers:  # the sum gets them
-        modifier.mute = True
-    try:
+    with Temporary() as now:
+        for modifier in chain.from_iterable(term.curve.modifiers for term in moving):
+            now.put(modifier, "mute", True)  # the sum gets them
         return list(_Sum(moving, offset).points())
-    finally:
-        for modifier in modifiers:
-            modifier.mute = False
 
 
 class _Sum:

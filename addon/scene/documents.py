@@ -1,8 +1,15 @@
-"""Texts and images that belong to a mesh; they are written over only if nobody changed them."""
+"""Texts and images that were written; they are written over only if nobody changed them.
+
+A mesh points to its own, and has the records of how they were left. Images that were made of
+another image are known by records of the scene. Their pointers follow an image that is renamed, and
+do not point to copies.
+"""
+
+from collections.abc import Callable, Sequence
 
 import bpy
 import numpy as np
-from bpy.props import StringProperty
+from bpy.props import PointerProperty, StringProperty
 
 from .contents import digest
 from .notes import note
@@ -11,10 +18,20 @@ Document = bpy.types.Text | bpy.types.Image
 
 
 class SpectralTVDocument(bpy.types.PropertyGroup):
-    """How a document was left; the group's own name is the mesh's property that points to it."""
+    """How a document was left.
+
+    The group's own name is the mesh's property that points to it. An image has a pointer here.
+    """
 
     digest: StringProperty(name="Digest", description="Of its contents")
     given: StringProperty(name="Given", description="The name that it was given")
+    image: PointerProperty(type=bpy.types.Image, name="Image")
+    source: PointerProperty(type=bpy.types.Image, name="Source")
+    label: StringProperty(name="Label", description="What it is of its source")
+
+
+# Those of a scene.
+Records = bpy.types.bpy_prop_collection
 
 
 def keep_text(mesh: bpy.types.Mesh, role: str, name: str, content: str) -> bpy.types.Text:
@@ -36,6 +53,40 @@ def keep_image(mesh: bpy.types.Mesh, role: str, name: str, pixels: np.ndarray) -
     image.pack()
     _remember(mesh, role, image, name)
     return image
+
+
+def images_of(
+    lists: Sequence[Records], source: bpy.types.Image, is_wanted: Callable[[str], bool]
+) -> dict[str, bpy.types.Image]:
+    """By label, the images that were written of a source and still name it, unless changed since.
+
+    What was changed is noted, and forgotten.
+    """
+    found = {}
+    for records in lists:
+        for place in reversed(range(len(records))):
+            each = records[place]
+            if each.image is None:
+                records.remove(place)
+            elif each.source == source and is_wanted(each.label):
+                is_named = each.image.spectral_tv.source == source
+                if is_named and written_digest(each.image) == each.digest:
+                    found[each.label] = each.image
+                else:
+                    note(f"{each.image.name!r} was changed since, and is kept")
+                    records.remove(place)
+    return found
+
+
+def remember_image(
+    lists: Sequence[Records], source: bpy.types.Image, label: str, image: bpy.types.Image
+) -> None:
+    """Remember how an image was left, in all lists that have it, or else in the first one."""
+    image.spectral_tv.source, image.spectral_tv.label = source, label
+    records = [each for records in lists for each in records if each.image == image]
+    for each in records or [lists[0].add()]:
+        each.image, each.source, each.label = image, source, label
+        each.digest = written_digest(image)
 
 
 def _own(mesh: bpy.types.Mesh, role: str) -> Document | None:

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Mapping
 
 import bpy
 
+from .channels import drivers_of
+
 KEY = re.compile(r'key_blocks\["((?:[^"\\]|\\.)*)"\]')
 
 
@@ -46,8 +48,7 @@ def _targets(users: set[bpy.types.ID]) -> Iterator[bpy.types.DriverTarget]:
     """All that the drivers of data-blocks and of their node trees read."""
     for user in users:
         for owner in (user, getattr(user, "node_tree", None)):
-            animation = getattr(owner, "animation_data", None)
-            for driven in () if animation is None else animation.drivers:
+            for driven in drivers_of(owner):
                 for variable in driven.driver.variables:
                     yield from variable.targets
 

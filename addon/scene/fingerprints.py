@@ -14,7 +14,7 @@ from bpy.props import FloatVectorProperty, IntVectorProperty, StringProperty
 
 from .contents import attribute_values, digest
 from .coordinates import coordinates
-from .mix import key_displacement
+from .mix import key_displacement, keys_of
 from .weights import members
 
 # Sums that a sketch has, and vertices that are sampled; Blender allows no more in a property.
@@ -120,8 +120,8 @@ def recognise(
 def names(obj: bpy.types.Object, written: str) -> list[str]:
     """Names of all GROUPs, ATTRIBUTEs or KEYs of ``obj``, but for that of Basis."""
     if written == "KEY":
-        keys = obj.data.shape_keys
-        return [] if keys is None else [k.name for k in keys.key_blocks if k != keys.reference_key]
+        keys = keys_of(obj.data).values()
+        return [key.name for key in keys if key != key.id_data.reference_key]
     return obj.vertex_groups.keys() if written == "GROUP" else obj.data.attributes.keys()
 
 

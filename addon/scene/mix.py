@@ -1,6 +1,6 @@
 """The shape that relative shape keys show: Basis, and what each key adds to it at its value."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import bpy
@@ -21,6 +21,11 @@ class Part:
         """What it adds to Basis, (V, 3) in object space, at its value and within its mask."""
         scale = self.value * mask(obj, self.key)
         return scale[:, np.newaxis] * key_displacement(self.key)
+
+
+def keys_of(mesh: bpy.types.Mesh) -> Mapping[str, bpy.types.ShapeKey]:
+    """The shape keys of a mesh, by name; none if it has none, not even Basis."""
+    return {} if mesh.shape_keys is None else mesh.shape_keys.key_blocks
 
 
 def key_displacement(key: bpy.types.ShapeKey) -> np.ndarray:

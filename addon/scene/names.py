@@ -4,6 +4,8 @@ from collections.abc import Container
 
 import bpy
 
+from .mix import keys_of
+
 # Vertex groups and shape keys have room for so many bytes, attributes for a few more.
 LONGEST = 63
 
@@ -24,8 +26,7 @@ def taken_names(obj: bpy.types.Object, written: str) -> set[str]:
     Vertex groups are attributes too where meshes are evaluated, so these share their names.
     """
     if written == "KEY":
-        keys = obj.data.shape_keys
-        return set() if keys is None else set(keys.key_blocks.keys())
+        return set(keys_of(obj.data).keys())
     return {*obj.data.attributes.keys(), *obj.vertex_groups.keys()}
 
 

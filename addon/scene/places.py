@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from .objects import Refusal
+from .temporary import Temporary
 
 # An object, and the name of a bone of it, or nothing.
 Followed = tuple[bpy.types.Object, str]
@@ -56,9 +57,9 @@ def kept_up(followed: Iterable[Followed], over_frames: bool = False) -> Iterator
     if not hidden:
         yield
         return
-    # Blender moves what something shown depends on.
-    probe = bpy.data.objects.new("Spectral TV Probe", None)
-    try:
+    with Temporary() as now:
+        # Blender moves what something shown depends on.
+        probe = now.made(bpy.data.objects.new("Spectral TV Probe", None))
         for obj, bone in hidden:
             constraint = probe.constraints.new("COPY_TRANSFORMS")
             constraint.target = obj
@@ -70,8 +71,6 @@ def kept_up(followed: Iterable[Followed], over_frames: bool = False) -> Iterator
             raise Refusal(f"{hidden[0][0].name!r} is hidden; show it") from error
         _take_to_this_frame()
         yield
-    finally:
-        bpy.data.objects.remove(probe)
 
 
 def _take_to_this_frame() -> None:

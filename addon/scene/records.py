@@ -7,6 +7,7 @@ keys were renamed, reordered or sculpted, and no other key is taken for a band.
 import uuid
 
 import bpy
+import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
 from .contents import topology_digest
@@ -27,7 +28,7 @@ class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
 
 
 class SpectralTVSample(bpy.types.PropertyGroup):
-    """One component of the spectrum."""
+    """One component of the spectrum, in files of older versions."""
 
     time: FloatProperty(name="Time", description="Length²")
     strength: FloatProperty(name="Strength", description="Length³")
@@ -52,7 +53,23 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
         override={"LIBRARY_OVERRIDABLE"}
     )  # fmt: skip
     bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
+    components: StringProperty(
+        name="Components", description="Times, length², and strengths, length³, by turns"
+    )
     spectrum: CollectionProperty(type=SpectralTVSample)
+
+    def keep_spectrum(self, times: np.ndarray, strengths: np.ndarray) -> None:
+        """Keep the spectrum: of each component the time (N,) and the strength (N,)."""
+        # As a text, which takes a hundredth of what a collection does.
+        numbers = np.column_stack([times, strengths]).astype(np.float32).ravel()
+        self.components = " ".join(f"{number:.9g}" for number in numbers)
+        self.spectrum.clear()
+
+    @property
+    def kept_spectrum(self) -> np.ndarray:
+        """The times and the strengths, (N, 2)."""
+        samples = [(sample.time, sample.strength) for sample in self.spectrum]
+        return np.array(samples or self.components.split(), dtype=np.float32).reshape(-1, 2)
 
 
 def record_of(obj: bpy.types.Object | None) -> SpectralTVRecord | None:
@@ -90,20 +107,20 @@ def forget_stale(*_arguments: object) -> None:
             record = mesh.spectral_tv.decomposition
             if record.bands and not keeping_of(record).is_marked(mesh, record.identifier):
                 record.bands.clear()
-                record.spectrum.clear()
+                record.keep_spectrum([], [])
                 mesh.update_tag()
 
 
 def bands_of(obj: bpy.types.Object) -> list[Band | None]:
     """The bands, None for those that were deleted."""
-    there = keeping_of(record_of(obj)).all(obj)
+    there = keeping_of(record_of(obj)).all(obj.data)
     return [there[name] if name else None for name, _ in recognise_bands(obj)]
 
 
 def bands_shown(obj: bpy.types.Object) -> list[Band | None]:
     """The same for panels, which ask at every redraw: known again only when names change."""
     record = record_of(obj)
-    there = keeping_of(record).all(obj)
+    there = keeping_of(record).all(obj.data)
     question = (obj.data.session_uid, record.identifier, *there.keys())
     if question not in _shown:
         _shown.clear()

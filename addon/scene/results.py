@@ -7,6 +7,7 @@ the user's: it stays, and the result is written beside it.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import bpy
 import numpy as np
@@ -69,36 +70,39 @@ def write(
     pieces: Mapping[str, Piece],
     stale: Callable[[str], bool] = lambda _label: False,
     wanted: Callable[[str, str], tuple[str, str]] = lambda source, label: (source, label),
+    over: Mapping[str, str] = MappingProxyType({}),
 ) -> list[str]:
     """Write pieces, by their labels, as ``source`` ``label``; all or none. Returns their names.
 
     ``wanted`` makes of the source and a label the two parts of a name. What was written of the
-    source before under a label that is ``stale``, and is not written again, is removed.
+    source before under a label that is ``stale``, and is not written again, is removed. ``over``
+    names, by label, what is written over whatever it holds.
     """
-    found = _own(obj, kind, source, lambda label: label in pieces or stale(label))
-    targets: dict[str, str] = {}
+    concerned = {*pieces} - {*over}
+    found = _own(obj, kind, source, lambda label: label in concerned or stale(label))
+    targets = dict(over)
     with whole(obj):
         for label, piece in pieces.items():
-            target = found.get((label, piece.written))
-            if target is None:
-                target = _add(obj, piece, *wanted(source, label))
-            targets[label] = target
+            if label not in over:
+                name = found.get((label, piece.written))
+                targets[label] = name or _add(obj, piece, *wanted(source, label))
     for label, piece in pieces.items():
         _fill(obj, piece, targets[label])
     for (label, written), name in found.items():
         if stale(label) and name not in targets.values():
             _remove(obj, written, name)
-    _remember(obj, kind, source, pieces, targets, stale)
+    results = obj.data.spectral_tv.results
+    for place in reversed(range(len(results))):
+        each = results[place]
+        is_again = each.label in pieces and each.written == pieces[each.label].written
+        if (each.kind, each.source) == (kind, source) and (is_again or stale(each.label)):
+            results.remove(place)
+    for label, piece in pieces.items():
+        each = results.add()
+        each.kind, each.source, each.label, each.written = kind, source, label, piece.written
+        each.take(obj, piece.written, targets[label])
     obj.data.update_tag()
-    return list(targets.values())
-
-
-def write_over(
-    obj: bpy.types.Object, kind: str, source: str, label: str, name: str, piece: Piece
-) -> None:
-    """Write a piece over what has that name, and remember it as what was written."""
-    _fill(obj, piece, name)
-    _remember(obj, kind, source, {label: piece}, {label: name}, lambda _label: False)
+    return [targets[label] for label in pieces]
 
 
 def written_names(obj: bpy.types.Object, written: str) -> list[str]:
@@ -189,7 +193,10 @@ def _fill(obj: bpy.types.Object, piece: Piece, name: str) -> None:
     if piece.written == "KEY":
         set_displacement(obj, obj.data.shape_keys.key_blocks[name], piece.values)
     elif piece.written == "GROUP":
-        _fill_group(obj.vertex_groups[name], piece.values)
+        group, weights = obj.vertex_groups[name], np.clip(piece.values, 0, 1)
+        group.remove(np.flatnonzero(weights <= NOTHING).tolist())
+        for vertex in np.flatnonzero(weights > NOTHING).tolist():
+            group.add([vertex], float(weights[vertex]), "REPLACE")
     else:
         attributes = obj.data.attributes
         attribute = attributes[name]
@@ -200,13 +207,6 @@ def _fill(obj: bpy.types.Object, piece: Piece, name: str) -> None:
         attribute.data.foreach_set(field, piece.values.astype(dtype).ravel())
 
 
-def _fill_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
-    weights = np.clip(weights, 0, 1)
-    group.remove(np.flatnonzero(weights <= NOTHING).tolist())
-    for vertex in np.flatnonzero(weights > NOTHING).tolist():
-        group.add([vertex], float(weights[vertex]), "REPLACE")
-
-
 def _remove(obj: bpy.types.Object, written: str, name: str) -> None:
     if written == "KEY":
         remove_key(obj, obj.data.shape_keys.key_blocks[name])
@@ -214,26 +214,3 @@ def _remove(obj: bpy.types.Object, written: str, name: str) -> None:
         obj.vertex_groups.remove(obj.vertex_groups[name])
     else:
         obj.data.attributes.remove(obj.data.attributes[name])
-
-
-def _remember(
-    obj: bpy.types.Object,
-    kind: str,
-    source: str,
-    pieces: Mapping[str, Piece],
-    targets: Mapping[str, str],
-    stale: Callable[[str], bool],
-) -> None:
-    results = obj.data.spectral_tv.results
-    for place in reversed(range(len(results))):
-        each = results[place]
-        written = pieces[each.label].written if each.label in pieces else None
-        if (each.kind, each.source) == (kind, source) and (
-            each.written == written or stale(each.label)
-        ):
-            results.remove(place)
-    for label, name in targets.items():
-        each = results.add()
-        each.kind, each.source, each.label = kind, source, label
-        each.written = pieces[label].written
-        each.take(obj, each.written, name)

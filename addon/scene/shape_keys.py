@@ -7,17 +7,23 @@ import numpy as np
 
 from .channels import remove_channels
 from .coordinates import basis_coordinates, points
-from .mix import key_displacement
+from .mix import key_displacement, keys_of
 from .names import free_name, taken_names
+from .objects import Refusal
 from .whole import whole
 
 # −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.
 SLIDER_RANGE = (-10.0, 10.0)
 
 
-def key_shape(key: bpy.types.ShapeKey) -> np.ndarray:
-    """The shape that is seen with that key alone, at value 1, (V, 3) in object space."""
-    return points(key.id_data.reference_key.data) + key_displacement(key)
+def key_shape(mesh: bpy.types.Mesh, name: str, use: str) -> np.ndarray:
+    """The shape that is seen with a key alone, at value 1, (V, 3) in object space.
+
+    Raises Refusal, with its ``use``, if there is no such key.
+    """
+    if name not in keys_of(mesh):
+        raise Refusal(f"there is no shape key {name!r} {use}")
+    return basis_coordinates(mesh) + key_displacement(mesh.shape_keys.key_blocks[name])
 
 
 def add_displacements(

@@ -11,11 +11,13 @@ import spectral_tv
 from mathutils import Matrix, Vector
 
 from . import applied
+from .arrays import means
 from .coordinates import basis_coordinates, triangles
 from .mirroring import Copies, mirrored, single
 from .modifiers import symmetries
 from .notes import note
 from .objects import Refusal
+from .temporary import Temporary
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37
@@ -84,12 +86,9 @@ class Surface:
     @classmethod
     def read_applied(cls, obj: bpy.types.Object, reading: Reading) -> "Surface":
         """Read what the modifiers of ``obj`` show; its vertices are those of `applied.mesh_of`."""
-        mesh = applied.mesh_of(obj)
-        try:
-            part = _Part.of_mesh(mesh, obj.matrix_world)
+        with Temporary() as now:
+            part = _Part.of_mesh(now.made(applied.mesh_of(obj)), obj.matrix_world)
             return cls._joined([part], reading)[0]
-        finally:
-            bpy.data.meshes.remove(mesh)
 
     @classmethod
     def _joined(cls, parts: "Sequence[_Part]", reading: Reading) -> "list[Surface]":
@@ -159,11 +158,7 @@ class Surface:
     def _gathered(self, values: np.ndarray) -> np.ndarray:
         """Means (N, C) at the mesh's vertices of values (copies, V, C)."""
         is_there = self.copies.places >= 0
-        places, values = self.copies.places[is_there], values[is_there]
-        total = len(self.mesh.vertex_areas)
-        count = np.maximum(np.bincount(places, minlength=total), 1)
-        sums = [np.bincount(places, channel, total) for channel in values.T]
-        return np.column_stack(sums) / count[:, np.newaxis]
+        return means(self.copies.places[is_there], values[is_there], len(self.mesh.vertex_areas))
 
 
 def shape_of(surfaces: Sequence[Surface], shapes: Sequence[np.ndarray]) -> np.ndarray:

@@ -5,6 +5,15 @@ from collections.abc import Iterable
 import bpy
 import numpy as np
 
+from .objects import Refusal
+
+
+def group_named(obj: bpy.types.Object, name: str) -> bpy.types.VertexGroup:
+    """The vertex group of this name; raises Refusal if there is none."""
+    if name not in obj.vertex_groups:
+        raise Refusal(f"there is no vertex group {name!r}")
+    return obj.vertex_groups[name]
+
 
 def members(
     obj: bpy.types.Object, names: Iterable[str]

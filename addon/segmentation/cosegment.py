@@ -28,6 +28,7 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationChoices, bpy.types.Opera
     bl_idname = "spectral_tv.cosegment"
     bl_label = "Segment Selected"
     working = "Segmenting"
+    columns = ("parts seed outputs",)
 
     def prepare(self, _obj: bpy.types.Object) -> Prepared:
         if not self.outputs:

@@ -1,13 +1,9 @@
 """The panel that labels the parts of the selected meshes."""
 
-from functools import partial
-
 import bpy
 
-from ..bands.estimates import of_meshes
 from ..bands.settings import Settings
 from ..drawing.work import MeshPanel, draw_button, draw_selection
-from ..options import rows
 from .cosegment import METHOD, SPECTRAL_TV_OT_cosegment
 
 
@@ -16,12 +12,10 @@ class SPECTRAL_TV_PT_segment(MeshPanel, bpy.types.Panel):
 
     bl_label = "Segment"
     bl_order = 3
-
-    def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        rows.draw(layout, context.scene.spectral_tv_segmentation, "parts outputs")
+    kept = "spectral_tv_segmentation"
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_segmentation
         settings = Settings(method=METHOD.upper(), steps=choices.steps)
-        draw_selection(layout, context, "parts", partial(of_meshes, settings))
+        draw_selection(layout, context, "parts", settings.needs)
         draw_button(layout, SPECTRAL_TV_OT_cosegment, "COLOR", choices)

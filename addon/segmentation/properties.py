@@ -19,13 +19,13 @@ class Settings:
         "Number of time steps of the flow. More steps find the same parts in more different poses",
         48, 4, 1000, place="parts"
     )  # fmt: skip
-    seed: int = integer("Seed", "Of the random starts", 0, 0, None)
+    seed: int = integer("Seed", "Of the random starts", 0, 0, None, place="seed")
     outputs: frozenset[str] = several(
         "Write", "How the parts are written", OUTPUTS, ("COLOR", "GROUPS"), place="outputs"
     )
 
 
-SegmentationChoices = choices_of(Settings)
+SegmentationChoices = choices_of(Settings, "parts outputs")
 
 
 class SpectralTVSegmentation(SegmentationChoices, bpy.types.PropertyGroup):

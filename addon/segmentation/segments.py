@@ -75,7 +75,8 @@ def _write_face_sets(obj: bpy.types.Object, labels: np.ndarray) -> None:
         _keep(obj, attribute_values(before))
     if before is None:
         mesh.attributes.new(FACE_SETS, "INT", "FACE")
-    results.write_over(obj, KIND, "", SETS, FACE_SETS, Piece("ATTRIBUTE", faces + 1, "INT", "FACE"))
+    pieces = {SETS: Piece("ATTRIBUTE", faces + 1, "INT", "FACE")}
+    results.write(obj, KIND, "", pieces, over={SETS: FACE_SETS})
 
 
 def _keep(obj: bpy.types.Object, sets: np.ndarray) -> None:

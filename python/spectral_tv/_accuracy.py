@@ -21,6 +21,7 @@ def accuracy(
     *,
     scales: tuple[float, float] | None = None,
     refinement: int = 8,
+    keep_limbs: float = 0.0,
     **options: Unpack[ShapeOptions],
 ) -> Job[Accuracy]:
     """Measure how the errors of a decomposition fall with the number of steps: of the all-pass
@@ -43,6 +44,8 @@ def accuracy(
         The finest and the largest scale, length²; see `graded_times`. Default: the method's.
     refinement : int
         How many times as many steps the refined flow has as the largest of `steps`; at least 2.
+    keep_limbs : float
+        As in `Decomposition.bands`; 0: off.
     {options}
 
     Returns
@@ -55,7 +58,7 @@ def accuracy(
         If an argument is of the wrong shape or out of range, or the method takes no time steps.
     """
     asked = {"method": method, **options}
-    return _native.start_accuracy(mesh, steps, bands, scales, refinement, asked)
+    return _native.start_accuracy(mesh, steps, bands, scales, refinement, keep_limbs, asked)
 
 
 start_accuracy = starting(accuracy)

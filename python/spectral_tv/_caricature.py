@@ -19,6 +19,7 @@ def caricature(
     smooth: float = 0.0,
     method: Method = "m3",
     steps: int = STEPS,
+    keep_limbs: float = 0.0,
     progress: Progress | None = None,
 ) -> Job[list[NDArray[np.float64]]]:
     """Exaggerate one band of several shapes alike, and remove the finest detail (Brokman et al.
@@ -40,6 +41,8 @@ def caricature(
     {method}
     steps : int
         Number of steps of each flow.
+    keep_limbs : float
+        As in `Decomposition.bands`; 0: off.
     {progress}
 
     Returns
@@ -52,7 +55,8 @@ def caricature(
     MeshError
         If an argument is out of range.
     """
-    return _native.start_caricature(meshes, band, gain, smooth, {"method": method, "steps": steps})
+    options = {"method": method, "steps": steps}
+    return _native.start_caricature(meshes, band, gain, smooth, keep_limbs, options)
 
 
 start_caricature = starting(caricature)

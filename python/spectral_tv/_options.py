@@ -74,14 +74,32 @@ class ShapeOptions(StepOptions, total=False):
     """What is flowed of a shape."""
 
     p: Annotated[int, 'The P of "m2": 3, 2 or 1. Only 3 is zero-homogeneous.']
+    soft_edges: Annotated[
+        float,
+        'How soft the edges of "m1" are, from 0 to 1. 0: the paper\'s TV, which lets a feature '
+        "vanish at once. 0.3: a bounded weight, by which it fades along its rim, so that bands "
+        "have no hems. Only 0 is zero-homogeneous.",
+    ]
     base: Annotated[
-        ArrayLike | None,
+        ArrayLike | Literal["limbs"] | None,
         'The smooth base of "m3" and "displacement". Default: the mesh under ten steps of '
-        "`conformal_flow`.",
-        "(V, 3) array",
+        '`conformal_flow`, which takes limbs from it. "limbs": the low-pass of "m1" with soft '
+        "edges and limbs kept, so that only folds and plates lie on it.",
+        '(V, 3) array or "limbs"',
     ]
     base_time: Annotated[
-        float | None, "How far that flow goes, length². Default: 5e-3 of the area."
+        float | None,
+        "How far the flow to the base goes, length². Default: 5e-3 of the area, and 3e-3 where "
+        "limbs are kept.",
+    ]
+    displacement: Annotated[
+        Annotated[Literal["scalar"], "its signed length, in fixed directions (the paper's way)."]
+        | Annotated[
+            Literal["vector"],
+            'the displacement itself, its coordinates coupled. With base="limbs" that leaves no '
+            "scratches and turns nothing over.",
+        ],
+        'What "m3" flows of the displacement from its base.',
     ]
     metric: Annotated[
         Annotated[Literal["surface"], "that of the mesh."]

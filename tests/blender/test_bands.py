@@ -281,7 +281,7 @@ def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
     bands = import_module(f"{EXTENSION}.bands.bands")
     settings = import_module(f"{EXTENSION}.bands.settings").Settings
 
-    bands.forget_flows()  # those of other tests
+    bands.flows.clear()  # those of other tests
     bpy.ops.spectral_tv.decompose(bands=4, steps=12)
 
     def is_recalled(**choices) -> bool:
@@ -336,7 +336,7 @@ def test_bands_survive_duplication_and_files(banded, tmp_path: Path):
     activate(loaded)
     bpy.ops.spectral_tv.filter(preset="RESET")
     assert loaded.data.shape_keys.key_blocks["Fine"].value == 0
-    assert [sample.strength > 0 for sample in loaded.data.spectral_tv.decomposition.spectrum]
+    assert len(loaded.data.spectral_tv.decomposition.kept_spectrum) == 11
 
 
 def test_another_key_by_the_name_of_a_deleted_band_is_no_band(banded):
@@ -379,14 +379,19 @@ def test_bands_outlive_sculpting_of_basis_and_new_names(banded):
     assert banded.data.shape_keys.key_blocks["Wrinkles"].value == -1
 
 
+def fill_spectrum(record, kept) -> None:
+    """Keep a spectrum as a collection, as older versions did."""
+    for time, strength in kept.kept_spectrum:
+        sample = record.spectrum.add()
+        sample.time, sample.strength = time, strength
+
+
 def test_bands_of_a_file_of_0_1_0_are_known(banded):
     """It kept names and digests, and no settings, on the shape keys."""
     record, kept = banded.data.shape_keys.spectral_tv, banded.data.spectral_tv.decomposition
     for name in ("identifier", "method", "area", "topology", "vertex_count", "corner_count"):
         setattr(record, name, getattr(kept, name))
-    for sample in kept.spectrum:
-        same = record.spectrum.add()
-        same.time, same.strength = sample.time, sample.strength
+    fill_spectrum(record, kept)
     for each in kept.bands:
         band = record.bands.add()
         band.key, band.digest, band.start, band.end = each.key, each.digest, each.start, each.end
@@ -402,6 +407,20 @@ def test_bands_of_a_file_of_0_1_0_are_known(banded):
     assert [key.value for key in keys][1:] == [-1, -1, -1, -1]
     assert bpy.ops.spectral_tv.measure_accuracy(of_bands=True) == {"FINISHED"}
     assert "M1 Error of Bands" in banded.data.attributes
+
+
+def test_a_spectrum_that_is_kept_as_a_collection_is_read(banded):
+    """It was so before it became one text."""
+    record = banded.data.spectral_tv.decomposition
+    kept = record.kept_spectrum
+    picture = import_module(f"{EXTENSION}.bands.spectrum").picture
+    drawn = picture(record)
+    fill_spectrum(record, record)
+    record.property_unset("components")
+    np.testing.assert_array_equal(record.kept_spectrum, kept)
+    np.testing.assert_array_equal(picture(record), drawn)
+    bpy.ops.spectral_tv.decompose(bands=4, steps=12)
+    assert not record.spectrum and len(record.kept_spectrum) == 11
 
 
 def test_bands_go_with_all_shape_keys(banded):
@@ -483,6 +502,7 @@ def test_ticking_scales_or_smoothing_changes_nothing(method):
     choices.use_scales = True
     assert choices.shown_finest == 2
     choices.finest, choices.use_scales, choices.use_base_amount = 0, False, False
+    choices.property_unset("method")
 
 
 def test_unset_scales_of_an_operator_are_the_methods_own(monkey):

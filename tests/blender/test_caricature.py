@@ -79,15 +79,15 @@ def test_amplified_bands_stand_out_and_smoothed_ones_are_gone(poses):
 
 def test_bands_in_memory_are_not_flowed_again(poses):
     bands = import_module(f"{MODULE}.bands.bands")
-    bands.forget_flows()
+    bands.flows.clear()
     bpy.ops.spectral_tv.caricature(bands=3, steps=8, smooth=0)
-    flows = {id(flow.split) for flow in bands._flows.values()}
+    flows = {id(flow.split) for flow in bands.flows.values()}
     assert len(flows) == 3
     for obj in poses:  # what is seen is split
         for key in obj.data.shape_keys.key_blocks[1:]:
             key.value = 0
     bpy.ops.spectral_tv.caricature(bands=4, steps=8, smooth=0)
-    assert {id(flow.split) for flow in bands._flows.values()} == flows
+    assert {id(flow.split) for flow in bands.flows.values()} == flows
 
 
 def test_refusals_change_nothing(poses):

@@ -94,7 +94,7 @@ def write_stl(path: Path, offset: np.ndarray = MAP) -> Path:
 def points_of(path: Path) -> np.ndarray:
     """The coordinates in a file, with all their digits, in order."""
     if path.suffix == ".ply":
-        found = ply.find_vertices(path, ply.read_header(path)).read(path)
+        found = ply.find_vertices(path, ply.read_header(path)).points()
     else:
         word = {".obj": "v", ".stl": "vertex"}[path.suffix]
         rows = re.findall(rf"^\s*{word} (\S+) (\S+) (\S+)", path.read_text(), re.MULTILINE)
@@ -192,9 +192,8 @@ def colors_and_labels(path: Path) -> list[tuple[int, ...]]:
     if header.order:
         rows = np.frombuffer(data, vertices.element.row(header.order))
         return sorted(tuple(int(row[name]) for name in names) for row in rows)
-    columns = vertices.element.columns(names)
-    rows = [line.split() for line in data.splitlines()]
-    return sorted(tuple(int(float(row[column])) for column in columns) for row in rows)
+    columns = vertices.columns()
+    return sorted(zip(*(columns[name].astype(int).tolist() for name in names), strict=True))
 
 
 def test_an_obj_has_all_digits_of_a_float(tmp_path: Path):

@@ -192,7 +192,7 @@ def test_the_job_of_a_window_is_polled_and_notices_changes():
     while not jobs.running().job.done:
         time.sleep(0.01)
     assert jobs.running().state == sources.state_of(image)
-    names = results.write(image, prepared, choice, jobs.running().job.result())
+    names = results.write(image, prepared, jobs.running().job.result())
     assert names == ["Photo Filtered"]
     image.pixels[0] = 0.9
     assert jobs.running().state != sources.state_of(image)

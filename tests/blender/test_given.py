@@ -108,7 +108,7 @@ FLOATS = ("little.ply", "binary.stl")
 def points_of(path: Path) -> np.ndarray:
     """The vertices of a .ply or .obj in their order, in double precision."""
     if path.suffix == ".ply":
-        return ply.find_vertices(path, ply.read_header(path)).read(path)
+        return ply.find_vertices(path, ply.read_header(path)).points()
     rows = re.findall(r"^v (\S+) (\S+) (\S+)", path.read_text(), re.MULTILINE)
     return np.array(rows).astype(float)
 

@@ -361,43 +361,43 @@ class Content:
 
 
 CONTENT = {
-    "colors": Content(add_colors, colors, 0.01),
-    "uvs": Content(add_uvs, uvs),
+    "vertex colors": Content(add_colors, colors, 0.01),
+    "UV maps": Content(add_uvs, uvs),
     "materials": Content(add_materials, materials),
     "textures": Content(add_textures, textures),
-    "normals": Content(add_normals, normals, 2e-3),
-    "attributes": Content(add_attributes, attributes),
-    "groups": Content(add_groups, groups),
-    "keys": Content(add_keys, keys),
+    "custom normals": Content(add_normals, normals, 2e-3),
+    "custom attributes": Content(add_attributes, attributes),
+    "vertex groups": Content(add_groups, groups),
+    "shape keys": Content(add_keys, keys),
     "armatures": Content(add_armatures, armatures),
     "animation": Content(add_animation, animation),
-    "objects": Content(add_objects, objects),
-    "names": Content(add_objects, names),
+    "objects apart": Content(add_objects, objects),
+    "object names": Content(add_objects, names),
     "parents": Content(add_parents, parents),
     "collections": Content(add_collections, collections),
-    "polygons": Content(grid, polygons),
-    "loose": Content(add_loose, loose),
+    "quads, n-gons": Content(grid, polygons),
+    "loose edges, points": Content(add_loose, loose),
     "cameras": Content(add_camera, of_type("CAMERA")),
     "lights": Content(add_light, of_type("LIGHT")),
-    "curves": Content(add_curve, others),
-    "others": Content(add_other, others),
+    "curves, texts": Content(add_curve, others),
+    "other objects": Content(add_other, others),
     "modifiers": Content(add_modifier, lambda: []),
-    "properties": Content(add_properties, properties),
+    "custom properties": Content(add_properties, properties),
 }
 # What is said where a part is kept, and what of it is: the first so many, or all but so exact.
 PARTS = {
-    ("colors", "8 bits"): ("8 bits: Paint lost digits", None),
+    ("vertex colors", "8 bits"): ("8 bits: Paint lost digits", None),
     ("materials", "names"): ("the names of materials alone", None),
-    ("normals", "per vertex"): ("one normal per vertex", None),
-    ("attributes", "not of edges"): ("no custom attributes of edges; left out: width", None),
-    ("attributes", "of vertices"): ("of vertices alone; left out: ", None),
-    ("groups", "as attributes"): (None, None),
-    ("keys", "the file's own"): (None, None),
+    ("custom normals", "per vertex"): ("one normal per vertex", None),
+    ("custom attributes", "not of edges"): ("no custom attributes of edges; left out: width", None),
+    ("custom attributes", "of vertices"): ("of vertices alone; left out: ", None),
+    ("vertex groups", "as attributes"): (None, None),
+    ("shape keys", "the file's own"): (None, None),
     ("animation", "keyframes"): (None, None),
-    ("loose", "points"): ("no loose edges: 1", 0),
-    ("loose", "edges"): ("loose points as vertices of nothing: 1", 0),
-    ("curves", "meshes"): ("curves and texts as meshes", 0),
-    ("curves", "curves"): (None, None),
+    ("loose edges, points", "points"): ("no loose edges: 1", 0),
+    ("loose edges, points", "edges"): ("loose points as vertices of nothing: 1", 0),
+    ("curves, texts", "meshes"): ("curves and texts as meshes", 0),
+    ("curves, texts", "curves"): (None, None),
 }
 LOSS = ("left out", " holds ", "applied, as")
 
@@ -422,9 +422,9 @@ def through(source: Path, target: Path, capfd) -> str:
     return "\n".join(line for line in told.splitlines() if any(text in line for text in LOSS))
 
 
-@pytest.mark.parametrize("kind", formats.KINDS)
+@pytest.mark.parametrize("kind", formats.HOLDS[".blend"])
 def test_what_a_format_holds_comes_out_and_the_rest_is_told(tmp_path: Path, capfd, kind):
-    content, label = CONTENT[kind], formats.KINDS[kind]
+    content = CONTENT[kind]
     empty()
     content.add()
     source = tmp_path / "in.blend"
@@ -438,31 +438,34 @@ def test_what_a_format_holds_comes_out_and_the_rest_is_told(tmp_path: Path, capf
         told = through(source, target, capfd)
         if word == formats.YES:
             assert same(expected, content.read(), content.exact), (suffix, content.read())
-            assert label not in told, suffix
+            assert kind not in told, suffix
             before = content.read()
             told = through(target, tmp_path / f"again{suffix}", capfd)
             assert same(before, content.read(), content.exact), suffix
             assert told == "", suffix
         elif word == formats.ONE:
             assert same(expected[:1], content.read(), content.exact), suffix
-            assert f"holds one of its {label}" in told
+            assert f"holds one of its {kind}" in told
         elif (kind, word) in PARTS:
             text, count = PARTS[kind, word]
-            if kind == "normals" and bpy.app.version < (5, 0):  # which writes those of the shape
+            if kind == "custom normals" and bpy.app.version < (
+                5,
+                0,
+            ):  # which writes those of the shape
                 count = 0
             assert text is None or text in told, suffix
             assert same(expected[:count], content.read()[:count], content.exact), suffix
         elif word == formats.APPLIED:
-            assert "applied, as" in told and label in told
-        elif kind == "polygons":
+            assert "applied, as" in told and kind in told
+        elif kind == "quads, n-gons":
             assert "holds triangles alone: 9 larger polygons were split" in told
-        elif kind == "names":
+        elif kind == "object names":
             assert "holds no object names: One, Two, Three" in told
-        elif kind == "objects":
+        elif kind == "objects apart":
             assert "holds one object: 3 were joined" in told
         else:
             assert word == formats.NO
-            assert "left out, as" in told and label in told, suffix
+            assert "left out, as" in told and kind in told, suffix
 
 
 def test_the_manual_has_the_table():

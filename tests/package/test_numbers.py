@@ -40,6 +40,8 @@ CALLS = {
     "Deformer.solve_sequence": ([TARGETS],),
     "Flow.band_edges": (),
     "Decomposition.band_edges": (),
+    "Decomposition.bands": ([0, 1],),
+    "Decomposition.filter": (np.ones(5),),
 }
 # Where a number has no default.
 REQUIRED = {

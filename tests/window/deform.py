@@ -104,19 +104,19 @@ def change_while_live() -> Steps[None]:
     yield from until(lambda: abs(leaning(obj) - 0.3) < 1e-4, "the mesh to arrive")
     assert abs(leaning(obj, -1)) < 1e-4
     handle.hide_viewport = True
-    yield from until(lambda: running().problem() != "", "it to notice the hidden handle")
+    yield from until(lambda: running().problem != "", "it to notice the hidden handle")
     yield from away()
     yield from picture("live_waits")
     assert "waiting: Blender does not move what is hidden" in (yield from told())
     handle.hide_viewport = False
-    yield from until(lambda: running().problem() == "", "it to go on")
+    yield from until(lambda: running().problem == "", "it to go on")
     obj.spectral_tv.active = 0
     yield from away()
     yield from click(*(yield from find("spectral_tv.constraint_remove", column=0.83)))
     assert [each.kind for each in obj.spectral_tv.constraints] == ["OBJECT"]
     yield from until(lambda: abs(leaning(obj, -1) - 0.3) < 1e-4, "all to follow the handle")
     obj.spectral_tv.algorithm = "ARAP"
-    yield from until(lambda: not running().is_running(), "another algorithm to end it")
+    yield from until(lambda: running() is None, "another algorithm to end it")
     assert "no longer live: Live and Bake Animation need" in (yield from told())
 
 
@@ -141,8 +141,8 @@ def take_what_turns() -> Steps[None]:
     obj.shape_key_clear()  # what panels say of it takes room
 
 
-def running() -> type:
-    return sys.modules[f"{MODULE}.deformation.live_operator"].SPECTRAL_TV_OT_deform_live
+def running() -> bpy.types.Operator | None:
+    return sys.modules[f"{MODULE}.deformation.live_operator"].SPECTRAL_TV_OT_deform_live.running
 
 
 def new_dumbbell() -> bpy.types.Object:

@@ -331,9 +331,10 @@ def drag_live() -> Steps[None]:
 
 
 def live_runs() -> bool:
-    return sys.modules[
-        f"{MODULE}.deformation.live_operator"
-    ].SPECTRAL_TV_OT_deform_live.is_running()
+    return (
+        sys.modules[f"{MODULE}.deformation.live_operator"].SPECTRAL_TV_OT_deform_live.running
+        is not None
+    )
 
 
 def keys(obj: bpy.types.Object) -> list[str]:

@@ -6,7 +6,8 @@ use spectral_tv::Named;
 use spectral_tv::flow::{Scheme, Stepping};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::{
-    AccuracyRequest, Exaggeration, Method, Metric, Settings, accuracy, caricature, decompose,
+    AccuracyRequest, Base, Exaggeration, Flowing, Method, Metric, Settings, accuracy, caricature,
+    decompose,
 };
 use spectral_tv::operators::positions;
 use spectral_tv::solver::Solver;
@@ -65,7 +66,10 @@ impl Decompose {
 
 /// How large the coordinates of a given base are; what is measured from it is rounded likewise.
 fn base_size(settings: &Settings) -> f64 {
-    settings.base.as_ref().map_or(0.0, largest)
+    match &settings.base {
+        Base::Shape(shape) => largest(shape),
+        _ => 0.0,
+    }
 }
 
 /// One filter for two shapes.
@@ -85,6 +89,7 @@ impl Caricature {
             from: filter(1, 2e-4),
             to: filter(2, 1e-3),
             gain: filter(3, 3.0),
+            keep_limbs: filter(4, 0.0),
         };
         let settings = self.recipe.settings(mesh);
         let meshes = [mesh, mesh];
@@ -121,6 +126,7 @@ impl Accuracy {
             scales: self.scales,
             bands: usize::from(self.bands % 5),
             refinement: usize::from(self.refinement % 4),
+            keep_limbs: f64::from(self.bands / 128),
         };
         let outcome = accuracy(mesh, &request);
         let Some(found) = unless_refused(outcome) else {
@@ -174,7 +180,7 @@ impl Recipe {
             for (value, shift) in shape.iter_mut().zip(moved.iter().cycle()) {
                 *value += shift;
             }
-            settings.base = Some(shape);
+            settings.base = Base::Shape(shape);
         }
         settings
     }
@@ -188,6 +194,7 @@ impl<'a> Arbitrary<'a> for Recipe {
             Method::ConformalLaplace => settings.p = input.int_in_range(0..=4)?,
             Method::DirectionalTv => {
                 settings.metric = *input.choose(&[Metric::Surface, Metric::Base])?;
+                settings.displacement = *input.choose(&[Flowing::Scalar, Flowing::Vector])?;
             }
             Method::LaplaceBeltrami => settings.eigenpairs = input.int_in_range(0..=40)?,
             _ => {}
@@ -195,6 +202,10 @@ impl<'a> Arbitrary<'a> for Recipe {
         let takes_base = settings.method.facts().takes_base;
         let mut base = None;
         match input.int_in_range(0..=7)? {
+            4 if settings.method == Method::ShapeTv => {
+                settings.total_variation.soft_edges = number(input)?;
+            }
+            5 if takes_base => settings.base = Base::Limbs,
             6 if takes_base => settings.base_time = Some(number(input)?),
             7 if takes_base => base = Some(numbers(input)?),
             _ => {}

@@ -22,6 +22,7 @@ pub fn start_accuracy(
     #[pyo3(from_py_with = parameters::bands)] bands: usize,
     #[pyo3(from_py_with = parameters::scales)] scales: Option<(f64, f64)>,
     #[pyo3(from_py_with = parameters::refinement)] refinement: usize,
+    #[pyo3(from_py_with = parameters::keep_limbs)] keep_limbs: f64,
     options: &Bound<'_, PyDict>,
 ) -> Result<Job, Failure> {
     let request = AccuracyRequest {
@@ -30,6 +31,7 @@ pub fn start_accuracy(
         scales,
         bands,
         refinement,
+        keep_limbs,
     };
     let mesh = Arc::clone(&mesh.inner);
     let work = move |stage: Stage| method::accuracy_with(&mesh, &request, stage);

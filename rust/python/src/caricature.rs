@@ -20,6 +20,7 @@ pub fn start_caricature(
     #[pyo3(from_py_with = parameters::band)] band: (f64, f64),
     #[pyo3(from_py_with = parameters::gain)] gain: f64,
     #[pyo3(from_py_with = parameters::smooth)] smooth: f64,
+    #[pyo3(from_py_with = parameters::keep_limbs)] keep_limbs: f64,
     options: &Bound<'_, PyDict>,
 ) -> Result<Job, Failure> {
     let settings = settings(options)?;
@@ -29,6 +30,7 @@ pub fn start_caricature(
         from,
         to,
         gain,
+        keep_limbs,
     };
     let meshes: Vec<_> = meshes
         .iter()

@@ -6,7 +6,8 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spectral_tv::method;
+use spectral_tv::mesh::TriangleMesh;
+use spectral_tv::method::{self, Displacement};
 use spectral_tv::monitor::Stage;
 use spectral_tv::spectral::{SpectralTransform, even_edges};
 
@@ -86,24 +87,35 @@ impl Decomposition {
     /// ----------
     /// edges : (K+1,) array
     ///     Increasing times, length²; component k is in [edge_i, edge_{i+1}).
+    /// keep_limbs : float
+    ///     0: bands as they are. κ > 0: at each vertex, what vanishes later than about κ r² stays in the
+    ///     residual, for the thickness r of the shape there (`Mesh.thickness`). So low-pass keeps limbs
+    ///     whole, and bands have no hems around them. 2 suits characters; 1 keeps more, 4 exaggerates
+    ///     more. Bands then overlap a little in time. The residual is the shape without all bands.
     ///
     /// Raises
     /// ------
     /// MeshError
-    ///     If the edges do not increase, or are those of over a million bands.
+    ///     If the edges do not increase, or are those of over a million bands, or keep_limbs is negative.
     /// MemoryError
     ///     If the bands do not fit into what is available.
+    #[pyo3(signature = (edges, keep_limbs = 0.0))]
     fn bands<'py>(
         &self,
         py: Python<'py>,
         edges: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = parameters::keep_limbs)] keep_limbs: f64,
     ) -> Result<Bound<'py, PyArray3<f64>>, Failure> {
         let edges = arrays::list("edges", edges)?;
         let shape = (3, self.inner.vertex_areas().len());
         let inner = Arc::clone(&self.inner);
         let task = Task::start(move |monitor| {
-            let bands = inner.bands(&edges)?;
-            arrays::stacked(edges.len() - 1, shape, bands, monitor.whole())
+            let (count, stage) = (edges.len().saturating_sub(1), monitor.whole());
+            if keep_limbs == 0.0 {
+                return arrays::stacked(count, shape, inner.bands(&edges)?, stage);
+            }
+            let bands = inner.bands_keeping_limbs_with(&edges, keep_limbs, stage)?;
+            arrays::stacked(count, shape, bands, stage)
         })?;
         Ok(task.wait(py, None)?.into_pyarray(py))
     }
@@ -115,21 +127,31 @@ impl Decomposition {
     /// gains : (N−1,) array or callable
     ///     The values H(t_k) for k = 1 … N−1, or the function H of a time in length².
     ///     1 keeps a component, 0 removes it, more amplifies it.
+    /// keep_limbs : float
+    ///     As in `bands`: what it leaves in the residual is kept.
     ///
     /// Raises
     /// ------
     /// MeshError
-    ///     If there is not one finite gain per component.
+    ///     If there is not one finite gain per component, or keep_limbs is negative.
+    #[pyo3(signature = (gains, keep_limbs = 0.0))]
     fn filter<'py>(
         &self,
         py: Python<'py>,
         gains: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = parameters::keep_limbs)] keep_limbs: f64,
     ) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
         let gains = parse_gains(gains, self.inner.component_times())?;
-        let shape = guarded(py, |stage| {
-            claim_functions(self.inner.transform(), stage)?;
-            self.inner.filter(&gains)
+        let inner = Arc::clone(&self.inner);
+        let task = Task::start(move |monitor| {
+            let stage = monitor.whole();
+            claim_functions(inner.transform(), stage)?;
+            match keep_limbs == 0.0 {
+                true => inner.filter(&gains),
+                false => inner.filter_keeping_limbs_with(&gains, keep_limbs, stage),
+            }
         })?;
+        let shape = task.wait(py, None)?;
         arrays::per_vertex(py, shape.view())
     }
 
@@ -150,10 +172,15 @@ impl Pickled for Decomposition {
         write_trajectory(self.inner.transform().trajectory(), parts)?;
         parts.list("spectrum", self.inner.spectrum())?;
         parts.list("vertex_areas", self.inner.vertex_areas())?;
+        let inner = Arc::new(self.inner.mesh().clone());
+        parts.value("mesh", Mesh { inner })?;
         match self.inner.displacement() {
             Some(found) => {
                 parts.matrix("base", found.base.view())?;
-                parts.matrix("direction", found.direction.view())
+                match &found.direction {
+                    Some(direction) => parts.matrix("direction", direction.view()),
+                    None => parts.value("direction", None::<()>),
+                }
             }
             None => {
                 parts.value("base", None::<()>)?;
@@ -163,15 +190,19 @@ impl Pickled for Decomposition {
     }
 
     fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
-        let base_and_direction = match (parts.optional("base")?, parts.optional("direction")?) {
-            (None, None) => None,
-            _ => Some((parts.matrix("base")?, parts.matrix("direction")?)),
+        let part = |name| match parts.optional(name)? {
+            None => Ok::<_, Failure>(None),
+            Some(_) => parts.matrix(name).map(Some),
         };
+        let (base, direction) = (part("base")?, part("direction")?);
+        let displacement = base.map(|base| Displacement { base, direction });
+        let mesh: Bound<'_, Mesh> = parts.value("mesh")?;
         let inner = method::Decomposition::restored(
             SpectralTransform::new(read_trajectory(parts)?),
-            base_and_direction,
+            displacement,
             parts.list("spectrum")?,
             parts.list("vertex_areas")?,
+            TriangleMesh::clone(&mesh.get().inner),
         )?;
         Ok(Self {
             inner: Arc::new(inner),

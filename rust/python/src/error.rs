@@ -32,11 +32,7 @@ create_exception!(
 pub struct Failure(PyErr);
 
 /// What the library calls an argument, and what the package does.
-const NAMES: [(&str, &str); 3] = [
-    ("base.time", "base_time"),
-    ("duration", "time"),
-    ("set", "members"),
-];
+const NAMES: [(&str, &str); 2] = [("duration", "time"), ("set", "members")];
 
 /// The refusal of an argument that only the package knows.
 pub fn refused(message: impl Into<String>) -> Failure {

@@ -17,7 +17,7 @@ use crate::flow::Flow;
 use crate::mesh::Mesh;
 
 /// To be counted up where what is written changes.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 type Reduced<'py> = (
     Bound<'py, PyAny>,

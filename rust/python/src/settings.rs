@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use spectral_tv::Named;
 use spectral_tv::flow::Stepping;
-use spectral_tv::method::{self, Base, Choice, Kind, Method, OPTIONS, Settings, Value};
+use spectral_tv::method::{self, Choice, Kind, Method, OPTIONS, Settings, Value};
 
 use crate::arrays;
 use crate::error::Failure;
@@ -47,7 +47,10 @@ fn read(option: &Choice, value: &Bound<'_, PyAny>) -> Result<Value, Failure> {
         Kind::Number => Value::Number(f64::read(name, value)?),
         Kind::Name => Value::Name(text(name, value)?),
         Kind::List => Value::List(arrays::list(name, value)?),
-        Kind::Shape => Value::Shape(arrays::shape(name, value)?),
+        Kind::NameOrShape => match value.extract() {
+            Ok(name) => Value::Name(name),
+            Err(_) => Value::Shape(arrays::shape(name, value)?),
+        },
     })
 }
 
@@ -113,7 +116,7 @@ pub fn default_scales(options: &Bound<'_, PyDict>) -> Result<(f64, f64), Failure
 ///     t/area: features of the size ℓ vanish from the base at a time of the order of ℓ².
 #[pyfunction]
 pub fn default_base_time() -> f64 {
-    Base::default().duration(1.0)
+    Settings::m3().base_duration(1.0)
 }
 
 /// Times from 0, evenly spaced at first and from about `finest` on in log t.

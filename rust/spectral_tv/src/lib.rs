@@ -33,6 +33,7 @@ mod solver;
 #[cfg(feature = "internals")]
 pub mod solver;
 pub mod spectral;
+pub mod thickness;
 
 pub use error::{ArgumentError, Error, Fault, Result};
 pub use named::Named;

@@ -1,6 +1,6 @@
 //! What a step changes, kept as precisely as it was solved for.
 
-use ndarray::{Array2, ArrayView2, Zip, aview0};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Zip, aview0};
 
 use crate::error::has_usable_size;
 use crate::parallel;
@@ -68,6 +68,34 @@ impl Increment {
                 let factor = factor * unit;
                 let add = |sum: &mut f64, value: &f32| *sum += factor * f64::from(*value);
                 Zip::from(sum).and(values).par_for_each(add);
+            }
+        }
+    }
+
+    /// Adds the increment, each vertex times its factor, to the `columns` of a sum (C, V) from
+    /// `first` on.
+    pub(crate) fn add_weighted(
+        &self,
+        factors: &[f64],
+        first: usize,
+        columns: &mut ArrayViewMut2<f64>,
+    ) {
+        let range = first..first + factors.len();
+        let rows = columns.rows_mut().into_iter();
+        match self {
+            Self::Double(values) => {
+                for (mut row, values) in rows.zip(parallel::columns(values.view(), range).rows()) {
+                    let add = |sum: &mut f64, value: &f64, factor: &f64| *sum += factor * value;
+                    Zip::from(&mut row).and(values).and(factors).for_each(add);
+                }
+            }
+            Self::Single { values, unit } => {
+                for (mut row, values) in rows.zip(parallel::columns(values.view(), range).rows()) {
+                    let add = |sum: &mut f64, value: &f32, factor: &f64| {
+                        *sum += factor * unit * f64::from(*value);
+                    };
+                    Zip::from(&mut row).and(values).and(factors).for_each(add);
+                }
             }
         }
     }

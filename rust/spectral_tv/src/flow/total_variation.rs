@@ -16,17 +16,34 @@ const SMOOTHING: f64 = 1e-3;
 /// (M1, Eq. 54) for the three coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
-    epsilon: f64,
+    /// How soft edges are, σ from 0 to 1. 0: TV. Else w = max(1/√(|∇u|² + (σG)²), 1/G) for the mean
+    /// gradient G of the initial function. TV flattens a region at once, and what lies between it and
+    /// the next stretches. With a bounded weight regions fade along their rims, and no gradient grows
+    /// far beyond G. That flow is not zero-homogeneous.
+    pub soft_edges: f64,
+    /// G.
+    gradient: f64,
 }
 
 impl Default for TotalVariation {
     /// The law for functions whose mean gradient is 1.
     fn default() -> Self {
-        Self { epsilon: SMOOTHING }
+        Self {
+            soft_edges: 0.0,
+            gradient: 1.0,
+        }
     }
 }
 
 impl TotalVariation {
+    /// The law with edges that are so soft, for functions whose mean gradient is 1.
+    pub fn with_soft_edges(soft_edges: f64) -> Self {
+        Self {
+            soft_edges,
+            ..Self::default()
+        }
+    }
+
     /// The law for a flow that starts at `initial` (C, V); ε is 1e-3 of its mean gradient.
     ///
     /// # Errors
@@ -38,9 +55,9 @@ impl TotalVariation {
     ) -> Result<Self> {
         operators.check_values(initial)?;
         let mean = total_variation(operators.gradient(), initial) / operators.area();
-        // A constant function has no gradient; any ε keeps it as it is.
+        // A constant function has no gradient; any law keeps it as it is.
         if mean > 0.0 {
-            self.epsilon *= mean;
+            self.gradient *= mean;
         }
         Ok(self)
     }
@@ -48,10 +65,17 @@ impl TotalVariation {
 
 impl Law for TotalVariation {
     fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        Variation::smoothed(self.epsilon).weights(gradient_norms)
+        let variation = match self.is_total_variation() {
+            true => Variation::smoothed(SMOOTHING * self.gradient),
+            false => Variation {
+                epsilon: self.soft_edges * self.gradient,
+                steepest: self.gradient,
+            },
+        };
+        variation.weights(gradient_norms)
     }
 
     fn is_total_variation(&self) -> bool {
-        true
+        self.soft_edges == 0.0
     }
 }

@@ -34,24 +34,26 @@ const USABLE_AREAS: RangeInclusive<f64> = 1e-140..=1e100;
 /// Everything the mathematics needs is intrinsic: the lengths of each triangle's edges. They
 /// are mollified where triangles are degenerate, so zero-area triangles, needles, boundaries,
 /// non-manifold edges, several components and vertices in no triangle are all accepted.
+/// Clones share what is long.
 #[derive(Debug, Clone)]
 pub struct TriangleMesh {
-    vertices: Vec<[f64; 3]>,
-    /// Shared with the operators.
+    vertices: Arc<[[f64; 3]]>,
     triangles: Arc<[[u32; 3]]>,
     /// Lengths of the edges opposite to each triangle's corners, where they are not distances.
     own_lengths: Option<Vec<[f64; 3]>>,
     /// What mollification adds to every edge.
     enlargement: f64,
-    face_areas: Vec<f64>,
-    vertex_areas: Vec<f64>,
+    face_areas: Arc<[f64]>,
+    vertex_areas: Arc<[f64]>,
     area: f64,
     /// Where the vertices that were handed in went, if they are not the same.
-    weld_map: Option<Vec<Option<u32>>>,
+    weld_map: Option<Arc<[Option<u32>]>>,
     /// Counts of what was done, and of open edges; `None` where nothing was to be done.
     done: Option<Findings>,
     /// The same with what is counted only when it is asked for.
     findings: OnceLock<Findings>,
+    /// The thickness at every vertex, once [`crate::thickness`] has measured it.
+    pub(crate) thickness: Arc<OnceLock<Vec<f64>>>,
 }
 
 impl TriangleMesh {
@@ -81,7 +83,7 @@ impl TriangleMesh {
     ) -> Result<Self> {
         let ready = Repaired::new(vertices, triangles, repair)?;
         let mut mesh = Self::measured(ready.vertices, ready.triangles, None)?;
-        mesh.weld_map = ready.weld_map;
+        mesh.weld_map = ready.weld_map.map(Into::into);
         mesh.done = ready.findings;
         Ok(mesh)
     }
@@ -101,7 +103,7 @@ impl TriangleMesh {
         if let Some(map) = &weld_map {
             check_weld_map(map, mesh.vertex_count())?;
         }
-        mesh.weld_map = weld_map;
+        mesh.weld_map = weld_map.map(Into::into);
         if let Some(findings) = findings {
             mesh.findings = findings.into();
         }
@@ -153,16 +155,17 @@ impl TriangleMesh {
         }
         let vertex_areas = barycentric_areas(vertices.len(), &triangles, &face_areas);
         Ok(Self {
-            vertices,
+            vertices: vertices.into(),
             triangles,
             own_lengths,
             enlargement,
-            face_areas,
-            vertex_areas,
+            face_areas: face_areas.into(),
+            vertex_areas: vertex_areas.into(),
             area,
             weld_map: None,
             done: None,
             findings: OnceLock::new(),
+            thickness: Arc::default(),
         })
     }
 

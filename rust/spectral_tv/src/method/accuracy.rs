@@ -10,7 +10,7 @@ use ndarray::{Array2, Axis};
 
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result};
-use crate::flow::{Scheme, check_steps, velocity};
+use crate::flow::{Scheme, Trajectory, check_steps, velocity};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::method::band_errors::{band_errors, bands, lengths};
@@ -19,7 +19,8 @@ use crate::method::representation::{Flowed, Representation, no_time_steps};
 use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, graded_times};
 use crate::monitor::{Monitor, Stage};
-use crate::spectral::{SpectralTransform, even_edges};
+use crate::spectral::{SpectralTransform, ThicknessCut, even_edges};
+use crate::thickness::thickness_with;
 
 /// Share of the progress that is given to the representation.
 const REPRESENTATION_SHARE: f64 = 0.1;
@@ -38,6 +39,9 @@ pub struct AccuracyRequest {
     pub bands: usize,
     /// The refined flow has so many times the most steps.
     pub refinement: usize,
+    /// κ of the thickness cut of the bands, see [`crate::method::Decomposition::bands_keeping_limbs`];
+    /// 0: none.
+    pub keep_limbs: f64,
 }
 
 /// The errors of one way of stepping.
@@ -79,6 +83,7 @@ pub struct Accuracy {
 ///     scales: None,
 ///     bands: 3,
 ///     refinement: 4,
+///     keep_limbs: 0.0,
 /// };
 /// let found = accuracy(&mesh, &request)?;
 /// assert_eq!(found.ours.relative.dim(), (2, 3));
@@ -156,7 +161,18 @@ pub fn accuracy_with(
         settings.stepping.scheme = scheme;
         run_flows(&operators, &flows, &settings, &times(count)?, stage)
     };
-    let refined = bands(&run(settings.stepping.scheme, refined)?, &edges);
+    let cut = match request.keep_limbs == 0.0 {
+        true => None,
+        false => Some(ThicknessCut::new(
+            request.keep_limbs,
+            thickness_with(mesh, share)?,
+        )?),
+    };
+    let bands = |trajectory: &Trajectory| match &cut {
+        None => bands(trajectory, &edges),
+        Some(cut) => cut.clone().bands(trajectory, &edges).collect(),
+    };
+    let refined = bands(&run(settings.stepping.scheme, refined)?);
     let mut measure = |scheme: Scheme, is_paper: bool| {
         let mut errors = Errors {
             all_pass: Array2::zeros((0, mesh.vertex_count())),
@@ -166,7 +182,7 @@ pub fn accuracy_with(
         for &count in steps {
             let trajectory = run(scheme, count)?;
             let (distance, relative) =
-                band_errors(&bands(&trajectory, &edges), &refined, operators.masses());
+                band_errors(&bands(&trajectory), &refined, operators.masses());
             let transform = SpectralTransform::new(trajectory);
             let all_pass = match is_paper {
                 true => paper_all_pass(&operators, &flows, &transform, stage)?,

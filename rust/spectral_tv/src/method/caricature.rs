@@ -23,6 +23,8 @@ pub struct Exaggeration {
     pub to: f64,
     /// What the band is multiplied by.
     pub gain: f64,
+    /// κ of the thickness cut, see [`crate::method::Decomposition::bands_keeping_limbs`]; 0: none.
+    pub keep_limbs: f64,
 }
 
 impl Exaggeration {
@@ -76,7 +78,7 @@ impl Exaggeration {
 /// # let vertices = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.3, 0.3, 1.]];
 /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// # let mesh = TriangleMesh::new(vertices, &triangles)?;
-/// let filter = Exaggeration { smooth: 5e-5, from: 1e-4, to: 1e-3, gain: 2.0 };
+/// let filter = Exaggeration { smooth: 5e-5, from: 1e-4, to: 1e-3, gain: 2.0, keep_limbs: 1.0 };
 /// let shapes = caricature(&[mesh], &Settings::m3(), &filter)?;
 /// assert_eq!(shapes[0].dim(), (3, 4));
 /// # Ok::<(), spectral_tv::Error>(())
@@ -122,7 +124,10 @@ pub fn caricature_with(
         let split = decompose_with(mesh, settings, stage)?;
         let times = split.component_times().iter();
         let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();
-        split.filter(&gains)
+        match filter.keep_limbs == 0.0 {
+            true => split.filter(&gains),
+            false => split.filter_keeping_limbs_with(&gains, filter.keep_limbs, stage),
+        }
     };
     meshes.iter().enumerate().map(treat).collect()
 }

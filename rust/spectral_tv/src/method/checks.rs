@@ -2,6 +2,7 @@
 
 use crate::error::{ArgumentError, Result};
 use crate::flow::{Scheme, check_steps};
+use crate::method::Base;
 use crate::method::facts::{Work, named_where};
 use crate::method::options::{OPTIONS, Settings};
 
@@ -25,6 +26,11 @@ impl Settings {
             let message = format!("exact steps exist for {methods} only");
             return Err(ArgumentError::inapplicable("scheme", message).into());
         }
+        if self.stepping.scheme == Scheme::Exact && self.total_variation.soft_edges > 0.0 {
+            let message =
+                "exact steps are those of total variation, so they do not go with soft_edges";
+            return Err(ArgumentError::contradiction("scheme", &["soft_edges"], message).into());
+        }
         let default = Self::default();
         for option in OPTIONS {
             if !(option.applies)(self.method) && (option.get)(self) != (option.get)(&default) {
@@ -33,7 +39,7 @@ impl Settings {
                 return Err(ArgumentError::inapplicable(name, message).into());
             }
         }
-        if self.base.is_some() && self.base_time.is_some() {
+        if matches!(self.base, Base::Shape(_)) && self.base_time.is_some() {
             let message = "base_time smooths the mesh itself, so it does not go with base";
             return Err(ArgumentError::contradiction("base_time", &["base"], message).into());
         }

@@ -53,7 +53,7 @@ pub fn decompose_with(
     };
     let transform = SpectralTransform::new(trajectory);
     let areas = base.as_ref().unwrap_or(mesh).vertex_areas();
-    Decomposition::new(transform, displacement, areas, rest)
+    Decomposition::new(transform, displacement, areas, mesh, rest)
 }
 
 /// The flow of a method that takes time steps, and M3's representation; `base` becomes that along
@@ -138,9 +138,9 @@ fn by_base(
     settings: &Settings,
     stage: Stage,
 ) -> Result<Trajectory> {
-    let base = settings.base();
-    let shape = base.shape(mesh, operators, settings.stepping.solver, stage)?;
-    let time = base.duration(mesh.area());
+    let time = settings.base_duration(mesh.area());
+    let solver = settings.stepping.solver;
+    let shape = settings.base.shape(mesh, operators, time, solver, stage)?;
     let times = [0.0, time, 2.0 * time];
     let initial = positions(mesh);
     let state = |_, origin: &Array1<f64>| without(shape.clone(), origin);

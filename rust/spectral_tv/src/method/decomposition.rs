@@ -3,18 +3,22 @@
 use ndarray::Array2;
 
 use crate::error::{ArgumentError, Result, unusable_values};
+use crate::mesh::TriangleMesh;
 use crate::method::Displacement;
-use crate::monitor::Stage;
-use crate::spectral::SpectralTransform;
+use crate::monitor::{Monitor, Stage};
+use crate::spectral::{SpectralTransform, ThicknessCut};
+use crate::thickness::thickness_with;
 
 /// The spectral components of a shape, as displacements of its vertices.
 #[derive(Debug, Clone)]
 pub struct Decomposition {
     transform: SpectralTransform,
-    /// How M3's scalars become shapes; `None` where the positions themselves were flowed.
+    /// How what M3 flows becomes a shape; `None` where the positions themselves were flowed.
     displacement: Option<Displacement>,
     spectrum: Vec<f64>,
     vertex_areas: Vec<f64>,
+    /// What was decomposed.
+    mesh: TriangleMesh,
 }
 
 impl Decomposition {
@@ -26,9 +30,11 @@ impl Decomposition {
         transform: SpectralTransform,
         displacement: Option<Displacement>,
         vertex_areas: &[f64],
+        mesh: &TriangleMesh,
         stage: Stage,
     ) -> Result<Self> {
         Ok(Self {
+            mesh: mesh.clone(),
             spectrum: transform.spectrum_with(vertex_areas, stage)?,
             transform,
             displacement,
@@ -36,32 +42,31 @@ impl Decomposition {
         })
     }
 
-    /// A decomposition from the parts of another: its transform, the base and the direction (3, V)
-    /// of M3, the spectrum, N − 1, and the areas of the vertices, V.
+    /// A decomposition from the parts of another: its transform, M3's base and direction, the spectrum, N − 1, the areas of the vertices, V, and the mesh that was decomposed.
     ///
     /// # Errors
     /// If shapes do not go together, or a number is not finite.
     pub fn restored(
         transform: SpectralTransform,
-        base_and_direction: Option<(Array2<f64>, Array2<f64>)>,
+        displacement: Option<Displacement>,
         spectrum: Vec<f64>,
         vertex_areas: Vec<f64>,
+        mesh: TriangleMesh,
     ) -> Result<Self> {
         let trajectory = transform.trajectory();
         let (channels, vertices) = trajectory.initial().dim();
-        let displacement = base_and_direction.map(|(base, direction)| Displacement {
-            base,
-            direction,
-            distance: trajectory.initial().to_owned(),
-        });
         let has_shapes = match &displacement {
             None => channels == 3,
-            Some(Displacement {
-                base, direction, ..
-            }) => channels == 1 && [base.dim(), direction.dim()] == [(3, vertices); 2],
+            Some(Displacement { base, direction }) => {
+                let is_scalar = direction.is_some();
+                channels == if is_scalar { 1 } else { 3 }
+                    && base.dim() == (3, vertices)
+                    && direction.iter().all(|found| found.dim() == (3, vertices))
+            }
         };
-        let has_counts =
-            spectrum.len() == transform.component_times().len() && vertex_areas.len() == vertices;
+        let has_counts = spectrum.len() == transform.component_times().len()
+            && vertex_areas.len() == vertices
+            && mesh.vertex_count() == vertices;
         if !has_shapes || !has_counts {
             let message = "the parts of the decomposition have shapes that do not go together";
             return Err(ArgumentError::contradiction(
@@ -72,10 +77,8 @@ impl Decomposition {
             .into());
         }
         let is_whole = displacement.iter().all(|found| {
-            let parts = [found.base.view(), found.direction.view()];
-            parts
-                .into_iter()
-                .all(|part| unusable_values(part).is_none())
+            let mut parts = std::iter::once(&found.base).chain(&found.direction);
+            parts.all(|part| unusable_values(part.view()).is_none())
         });
         let mut numbers = spectrum.iter().chain(&vertex_areas);
         if !is_whole || !numbers.all(|number| *number >= 0.0 && number.is_finite()) {
@@ -89,10 +92,16 @@ impl Decomposition {
             displacement,
             spectrum,
             vertex_areas,
+            mesh,
         })
     }
 
-    /// How M3's scalars become shapes; `None` where the positions themselves were flowed.
+    /// The mesh that was decomposed.
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
+    /// How what M3 flows becomes a shape; `None` where the positions themselves were flowed.
     pub fn displacement(&self) -> Option<&Displacement> {
         self.displacement.as_ref()
     }
@@ -137,6 +146,35 @@ impl Decomposition {
         Ok(bands.map(|band| self.displace(band)))
     }
 
+    /// The same with limbs kept: the spectrum of every vertex ends near κ r² for κ = `keep_limbs` and the
+    /// thickness r of the shape there, and what is later stays in the residual. That is the shape
+    /// without the bands. 2 keeps limbs without hems and folds; more lets bands take more of them.
+    ///
+    /// # Errors
+    /// If the edges do not increase or κ is not above 0; or as [`crate::thickness::thickness`].
+    pub fn bands_keeping_limbs<'a>(
+        &'a self,
+        edges: &'a [f64],
+        keep_limbs: f64,
+    ) -> Result<impl Iterator<Item = Array2<f64>> + use<'a>> {
+        self.bands_keeping_limbs_with(edges, keep_limbs, Monitor::new().whole())
+    }
+
+    /// [`Self::bands_keeping_limbs`], watched while the thickness is measured.
+    ///
+    /// # Errors
+    /// As [`Self::bands_keeping_limbs`], or [`crate::Error::Cancelled`].
+    pub fn bands_keeping_limbs_with<'a>(
+        &'a self,
+        edges: &'a [f64],
+        keep_limbs: f64,
+        stage: Stage,
+    ) -> Result<impl Iterator<Item = Array2<f64>> + use<'a>> {
+        let cut = ThicknessCut::new(keep_limbs, thickness_with(&self.mesh, stage)?)?;
+        let bands = self.transform.bands_cut(edges, cut)?;
+        Ok(bands.map(|band| self.displace(band)))
+    }
+
     /// The shape filtered by H, given as N − 1 values H(t_k), (3, V).
     ///
     /// # Errors
@@ -145,9 +183,32 @@ impl Decomposition {
         Ok(self.shape(self.transform.filter(gains)?))
     }
 
+    /// The same with limbs kept, as [`Self::bands_keeping_limbs`] does.
+    ///
+    /// # Errors
+    /// If `gains` are not N − 1 finite values or κ is not above 0; or as
+    /// [`crate::thickness::thickness`].
+    pub fn filter_keeping_limbs(&self, gains: &[f64], keep_limbs: f64) -> Result<Array2<f64>> {
+        self.filter_keeping_limbs_with(gains, keep_limbs, Monitor::new().whole())
+    }
+
+    /// [`Self::filter_keeping_limbs`], watched while the thickness is measured.
+    ///
+    /// # Errors
+    /// As [`Self::filter_keeping_limbs`], or [`crate::Error::Cancelled`].
+    pub fn filter_keeping_limbs_with(
+        &self,
+        gains: &[f64],
+        keep_limbs: f64,
+        stage: Stage,
+    ) -> Result<Array2<f64>> {
+        let cut = ThicknessCut::new(keep_limbs, thickness_with(&self.mesh, stage)?)?;
+        Ok(self.shape(self.transform.filter_cut(gains, &cut)?))
+    }
+
     fn displace(&self, values: Array2<f64>) -> Array2<f64> {
         match &self.displacement {
-            Some(displacement) => displacement.along_direction(values.view()),
+            Some(displacement) => displacement.of(values),
             None => values,
         }
     }

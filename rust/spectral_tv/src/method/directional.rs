@@ -6,6 +6,7 @@ use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Error, Result, has_usable_size, unusable_values};
 use crate::flow::conformal_mean_curvature_flow_with;
 use crate::mesh::TriangleMesh;
+use crate::method::limbs::keeping_limbs;
 use crate::method::outward::outward_signs;
 use crate::monitor::Stage;
 use crate::named::named;
@@ -16,6 +17,9 @@ use crate::solver::Solver;
 /// steps: enough to swallow limbs and leave a smooth body.
 const BASE_TIME: f64 = 5e-3;
 pub(super) const BASE_STEPS: usize = 10;
+/// The same for the flow of M1 to the base that keeps limbs, until little of the body's form but its
+/// limbs is left.
+const LIMBS_TIME: f64 = 3e-3;
 /// Distances from the base below this, relative to the shape's size, have no direction.
 const COINCIDENT: f64 = 1e-12;
 
@@ -31,59 +35,66 @@ named! {
     }
 }
 
+named! {
+    /// What M3 flows of the displacement D = S − Ŝ.
+    pub enum Flowing: "displacement" {
+        /// Its signed length f along D: the paper's scalar.
+        #[default]
+        Scalar = "scalar",
+        /// D itself, its three channels coupled: no direction is fixed, and no sign needed.
+        Vector = "vector",
+    }
+}
+
 /// The smooth base Ŝ of M3.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Base {
     /// The shape itself under conformalized mean curvature flow.
-    ConformalFlow {
-        /// Duration in length²; `None`: 5e-3 of the area.
-        time: Option<f64>,
-    },
+    #[default]
+    ConformalFlow,
+    /// M1's low-pass with soft edges and all limbs kept.
+    Limbs,
     /// Any shape with the same triangles, (3, V).
     Shape(Array2<f64>),
 }
 
-impl Default for Base {
-    fn default() -> Self {
-        Self::ConformalFlow { time: None }
-    }
-}
-
 impl Base {
-    /// How far the flow to the base goes, length²; its default for a shape that is given.
-    pub fn duration(&self, area: f64) -> f64 {
+    /// How far the flow to the base goes by default, relative to the area; that of the default base
+    /// for a shape that is given.
+    pub(super) fn time(&self) -> f64 {
         match self {
-            Self::ConformalFlow { time, .. } => time.unwrap_or(BASE_TIME * area),
-            Self::Shape(_) => BASE_TIME * area,
+            Self::ConformalFlow | Self::Shape(_) => BASE_TIME,
+            Self::Limbs => LIMBS_TIME,
         }
     }
 
-    /// Ŝ for `mesh`, (3, V); systems are solved by `solver`.
+    /// Ŝ for `mesh`, (3, V), after a flow of the `duration`, length²; systems are solved by `solver`.
     ///
     /// # Errors
     /// If a given shape has another number of vertices or a coordinate that is not finite; or
-    /// as [`conformal_mean_curvature_flow_with`].
+    /// as the flow to the base.
     pub(super) fn shape(
         &self,
         mesh: &TriangleMesh,
         operators: &Discretization,
+        duration: f64,
         solver: Solver,
         stage: Stage,
     ) -> Result<Array2<f64>> {
+        if !(duration > 0.0 && has_usable_size(duration)) {
+            return Err(ArgumentError::value(
+                "base_time",
+                "must be positive and at most 1e100",
+                format_args!("{duration:?}"),
+            )
+            .into());
+        }
         match self {
-            Self::ConformalFlow { .. } => {
-                let duration = self.duration(mesh.area());
-                if !(duration > 0.0 && has_usable_size(duration)) {
-                    return Err(ArgumentError::value(
-                        "base.time",
-                        "must be positive and at most 1e100",
-                        format_args!("{duration:?}"),
-                    )
-                    .into());
-                }
+            Self::ConformalFlow => {
                 let steps = BASE_STEPS;
                 conformal_mean_curvature_flow_with(mesh, operators, duration, steps, solver, stage)
             }
+            Self::Limbs => keeping_limbs(mesh, operators, duration, solver, stage),
             Self::Shape(shape) => {
                 if shape.dim() != (3, mesh.vertex_count()) {
                     return Err(ArgumentError::count(
@@ -109,19 +120,25 @@ impl Base {
     }
 }
 
-/// S = Ŝ + f d̂ (Brokman et al. 2024, Sec. 7.5).
+/// S = Ŝ + f d̂ (Brokman et al. 2024, Sec. 7.5), or S = Ŝ + D.
 #[derive(Debug, Clone)]
 pub struct Displacement {
     /// Ŝ, (3, V).
     pub base: Array2<f64>,
-    /// d̂, unit vectors that point outwards, (3, V).
-    pub direction: Array2<f64>,
-    /// f, signed distances along d̂, (1, V).
-    pub distance: Array2<f64>,
+    /// d̂, unit vectors that point outwards, (3, V), along which the signed distances f (1, V) are flowed;
+    /// `None` where D (3, V) is.
+    pub direction: Option<Array2<f64>>,
 }
 
 impl Displacement {
-    /// f = α|S − Ŝ| and d̂ = α(S − Ŝ)/|S − Ŝ|, α = ±1 such that d̂ points to the same side as
+    /// Ŝ and D = S − Ŝ, which is to be flowed as a vector.
+    pub fn vector(mesh: &TriangleMesh, base: Array2<f64>) -> (Self, Array2<f64>) {
+        let values = positions(mesh) - &base;
+        let direction = None;
+        (Self { base, direction }, values)
+    }
+
+    /// Ŝ and d̂, and f: f = α|S − Ŝ| and d̂ = α(S − Ŝ)/|S − Ŝ|, α = ±1 such that d̂ points to the same side as
     /// the normal of Ŝ (see `outward`); the normal itself where S and Ŝ coincide but for rounding,
     /// and there Ŝ is S.
     ///
@@ -133,7 +150,7 @@ impl Displacement {
         mut base: Array2<f64>,
         solver: Solver,
         stage: Stage,
-    ) -> Result<Self> {
+    ) -> Result<(Self, Array2<f64>)> {
         let normals = stage.pass(|| vertex_normals(base.view(), mesh.triangles()))?;
         let shape = positions(mesh);
         let mut direction = &shape - &base;
@@ -157,16 +174,16 @@ impl Displacement {
             distance[[0, vertex]] = signs[vertex] * length;
             column.mapv_inplace(|component| signs[vertex] * component / length);
         })?;
-        Ok(Self {
-            base,
-            direction,
-            distance,
-        })
+        let direction = Some(direction);
+        Ok((Self { base, direction }, distance))
     }
 
-    /// `values` (1, V) times d̂: a displacement, (3, V).
-    pub fn along_direction(&self, values: ArrayView2<f64>) -> Array2<f64> {
-        &self.direction * &values
+    /// The displacement that flowed `values` stand for, (3, V).
+    pub fn of(&self, values: Array2<f64>) -> Array2<f64> {
+        match &self.direction {
+            Some(direction) => direction * &values,
+            None => values,
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::flow::{Scheme, Stepping, TotalVariation};
 use crate::memory::needs::Size;
 use crate::mesh::TriangleMesh;
 use crate::method::facts::Work;
-use crate::method::{Settings, graded_times};
+use crate::method::{Base, Settings, graded_times, limbs};
 use crate::operators::positions;
 use crate::solver::Solver;
 
@@ -70,11 +70,12 @@ fn steps_worth(size: f64, settings: &Settings) -> f64 {
         }
     };
     let facts = settings.method.facts();
-    let base = match facts.takes_base {
-        true => 6.5 * (size / 1e4).max(0.1).powf(0.25),
-        false => 0.0,
+    let base = match (facts.takes_base, &settings.base) {
+        (true, Base::Limbs) => limbs::STEPS as f64 * three,
+        (true, _) => 6.5 * (size / 1e4).max(0.1).powf(0.25),
+        (false, _) => 0.0,
     };
-    let worth = match facts.work {
+    let worth = match settings.work() {
         Work::Flow { solved, cost, .. } => steps * cost * if solved == 1 { one } else { three },
         Work::Eigenpairs => {
             let count = (settings.eigenpairs as f64).min(size);

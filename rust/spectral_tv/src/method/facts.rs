@@ -36,6 +36,9 @@ pub enum Work {
     Base,
 }
 
+/// The scales of what lies on a base that keeps limbs: folds and plates, and no limbs.
+pub(super) const FROM_LIMBS: (f64, f64) = (1e-5, 3e-4);
+
 const fn tv(solved: usize, held: usize, cost: f64) -> Work {
     let is_total_variation = true;
     Work::Flow {

@@ -1,12 +1,10 @@
 //! The options of a decomposition: each is declared once, with its default and the methods it is for.
 
-use ndarray::Array2;
-
 use crate::error::Result;
 use crate::flow::{Scheme, Stepping, TotalVariation};
 use crate::method::facts::Work;
 use crate::method::value::{Held, Kind, Value};
-use crate::method::{Method, Metric};
+use crate::method::{Base, Flowing, Method, Metric};
 use crate::solver::Solver;
 
 /// An option: its name, for which methods it is, and its place in [`Settings`].
@@ -122,10 +120,12 @@ options! {
         /// P of M2: 1, 2 or 3. Only P = 3 is zero-homogeneous.
         p: u32 = 3, |method| method == Method::ConformalLaplace,
             "must be 1, 2 or 3": |p| (1..=3).contains(p);
-        /// The smooth base Ŝ, (3, V); `None`: the shape itself under conformalized mean curvature flow.
-        base: Option<Array2<f64>> = None, |method| method.facts().takes_base;
-        /// How long that flow is, length²; `None`: 5e-3 of the area.
+        /// The smooth base Ŝ.
+        base: Base = Base::default(), |method| method.facts().takes_base;
+        /// How long the flow to it is, length²; `None`: 5e-3 of the area, or 3e-3 where limbs are kept.
         base_time: Option<f64> = None, |method| method.facts().takes_base;
+        /// What M3 flows of the displacement from its base.
+        displacement: Flowing = Flowing::default(), |method| method == Method::DirectionalTv;
         /// The metric in which M3 flows: that of the shape or of its base.
         metric: Metric = Metric::default(), |method| method == Method::DirectionalTv;
         /// Number of the lowest eigenpairs that are used.
@@ -139,7 +139,10 @@ options! {
         solver: Solver, |_| true;
     }
     /// The law of methods that flow by total variation, before it knows the function.
-    total_variation: TotalVariation {}
+    total_variation: TotalVariation {
+        soft_edges: f64, |method| method == Method::ShapeTv,
+            "must be from 0 to 1": |softness| (0.0..=1.0).contains(softness);
+    }
 }
 
 impl Choice {

@@ -7,7 +7,7 @@ use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{ConformalLaplace, Heat, Law};
 use crate::mesh::TriangleMesh;
 use crate::method::facts::named_where;
-use crate::method::{Displacement, Method, Metric, Settings};
+use crate::method::{Displacement, Flowing, Method, Metric, Settings};
 use crate::monitor::Stage;
 use crate::operators::positions;
 
@@ -68,19 +68,29 @@ impl Representation {
             }],
             Method::DirectionalTv => {
                 // What is prepared for the flow serves the base and the signs, too.
+                let channels = match settings.displacement {
+                    Flowing::Scalar => 1,
+                    Flowing::Vector => 3,
+                };
                 let solver = settings.stepping.solver;
-                let solver = match settings.stepping.demand(1) {
+                let solver = match settings.stepping.demand(channels) {
                     Some(demand) => operators.chosen(solver, demand)?,
                     None => solver,
                 };
-                let base = settings.base().shape(mesh, operators, solver, stage)?;
-                let found = Displacement::between(mesh, operators, base, solver, stage)?;
+                let duration = settings.base_duration(mesh.area());
+                let base = settings
+                    .base
+                    .shape(mesh, operators, duration, solver, stage)?;
+                let (found, values) = match settings.displacement {
+                    Flowing::Scalar => Displacement::between(mesh, operators, base, solver, stage)?,
+                    Flowing::Vector => Displacement::vector(mesh, base),
+                };
                 let flowed = match settings.metric {
-                    Metric::Surface => tv(found.distance.clone())?,
+                    Metric::Surface => tv(values)?,
                     Metric::Base => {
                         let base = with_shape(mesh, &found.base)?;
                         let operators = Discretization::new_with(&base, stage)?;
-                        let flowed = tv_on(&operators, found.distance.clone())?;
+                        let flowed = tv_on(&operators, values)?;
                         along = Some((base, operators));
                         flowed
                     }

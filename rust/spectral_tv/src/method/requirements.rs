@@ -3,9 +3,9 @@
 use crate::error::Result;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
-use crate::method::Settings;
 use crate::method::directional::BASE_STEPS;
 use crate::method::facts::Work;
+use crate::method::{Base, Settings, limbs};
 use crate::monitor::Stage;
 
 /// For refusals.
@@ -20,14 +20,20 @@ pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settin
     let steps = settings.step_count();
     let is_iterated = settings.is_iterated(vertices);
     let facts = settings.method.facts();
-    match facts.work {
+    // The flow to a base that keeps limbs has ended when the other begins.
+    let of_limbs = match settings.base {
+        Base::Limbs => needs::flow(size, 3, limbs::STEPS, is_iterated),
+        _ => 0,
+    };
+    match settings.work() {
         Work::Flow { held, .. } => {
             let base = if facts.takes_base {
                 needs::base(size)
             } else {
                 0
             };
-            needs::flow(size, held, steps, is_iterated).saturating_add(base)
+            let flow = needs::flow(size, held, steps, is_iterated);
+            flow.max(of_limbs).saturating_add(base)
         }
         Work::Eigenpairs => {
             let count = settings.eigenpairs.min(vertices);
@@ -35,7 +41,7 @@ pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settin
             let functions = count.saturating_add(steps.saturating_mul(3));
             needs::eigenpairs(size, count).max(needs::flow(size, functions, 1, false))
         }
-        Work::Base => needs::flow(size, 3, BASE_STEPS, is_iterated),
+        Work::Base => needs::flow(size, 3, BASE_STEPS, is_iterated).max(of_limbs),
     }
 }
 

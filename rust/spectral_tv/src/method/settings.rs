@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use crate::error::Result;
 use crate::method::adaptive_steps::FEWEST_STEPS;
-use crate::method::facts::Work;
+use crate::method::facts::{FROM_LIMBS, Work};
 use crate::method::schedule::graded_times;
-use crate::method::{Base, Method, Settings};
+use crate::method::{Base, Flowing, Method, Settings};
 
 impl From<Method> for Settings {
     fn from(method: Method) -> Self {
@@ -33,13 +33,16 @@ impl Settings {
         Method::DirectionalTv.into()
     }
 
-    /// The smooth base of M3 and of the displacement.
-    pub fn base(&self) -> Base {
-        match &self.base {
-            Some(shape) => Base::Shape(shape.clone()),
-            None => Base::ConformalFlow {
-                time: self.base_time,
-            },
+    /// How far the flow to the base goes, length², for a shape of this area.
+    pub fn base_duration(&self, area: f64) -> f64 {
+        self.base_time.unwrap_or(self.base.time() * area)
+    }
+
+    /// The work of the method with these settings.
+    pub(super) fn work(&self) -> Work {
+        match (self.method.facts().work, self.displacement) {
+            (Work::Flow { .. }, Flowing::Vector) => Method::ShapeTv.facts().work,
+            (work, _) => work,
         }
     }
 
@@ -47,6 +50,7 @@ impl Settings {
     pub fn relative_scales(&self) -> (f64, f64) {
         let (finest, largest) = self.method.facts().scales;
         match self.method.facts().work {
+            _ if self.base == Base::Limbs => FROM_LIMBS,
             // Weyl's law: the K-th eigenvalue of a surface is near 4πK/area.
             Work::Eigenpairs => {
                 let finest = 1.0 / (4.0 * PI * self.eigenpairs as f64);
@@ -87,7 +91,7 @@ impl Settings {
 
     /// Whether the systems of the method's flow on so many vertices are surely solved by iteration.
     pub(super) fn is_iterated(&self, vertices: usize) -> bool {
-        let solved = match self.method.facts().work {
+        let solved = match self.work() {
             Work::Flow { solved, .. } => solved,
             _ => 3,
         };

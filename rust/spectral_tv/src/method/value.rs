@@ -5,6 +5,7 @@ use std::fmt;
 use ndarray::Array2;
 
 use crate::error::{ArgumentError, Error, Result};
+use crate::method::Base;
 use crate::named::Named;
 
 /// The value of an option.
@@ -48,8 +49,8 @@ pub enum Kind {
     Name,
     /// [`Value::List`].
     List,
-    /// [`Value::Shape`].
-    Shape,
+    /// [`Value::Name`] or [`Value::Shape`].
+    NameOrShape,
 }
 
 /// A type that an option can have.
@@ -89,7 +90,36 @@ macro_rules! held {
     };
 }
 
-held!(usize = Count, f64 = Number, Vec<f64> = List, Array2<f64> = Shape);
+held!(usize = Count, f64 = Number, Vec<f64> = List);
+
+/// The name of the base that keeps limbs.
+const LIMBS: &str = "limbs";
+
+impl Held for Base {
+    const KIND: Kind = Kind::NameOrShape;
+    const IS_OPTIONAL: bool = true;
+
+    fn to_value(&self) -> Value {
+        match self {
+            Self::ConformalFlow => Value::None,
+            Self::Limbs => Value::Name(LIMBS.into()),
+            Self::Shape(shape) => Value::Shape(shape.clone()),
+        }
+    }
+
+    fn from_value(name: &'static str, value: Value) -> Result<Self> {
+        match value {
+            Value::None => Ok(Self::ConformalFlow),
+            Value::Name(text) if text == LIMBS => Ok(Self::Limbs),
+            Value::Name(text) => {
+                let rule = format!("must be {LIMBS:?} or a shape");
+                Err(ArgumentError::value(name, rule, format_args!("{text:?}")).into())
+            }
+            Value::Shape(shape) => Ok(Self::Shape(shape)),
+            other => Err(other_kind(name, Self::KIND, &other)),
+        }
+    }
+}
 
 impl Held for u32 {
     const KIND: Kind = Kind::Count;

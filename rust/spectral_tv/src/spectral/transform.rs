@@ -8,7 +8,7 @@ use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::Trajectory;
 use crate::monitor::Stage;
 use crate::parallel;
-use crate::spectral::check_edges;
+use crate::spectral::{ThicknessCut, check_edges};
 
 /// The spectral components of a flow (Brokman et al. 2024, Eqs. 50 and 53).
 ///
@@ -97,11 +97,30 @@ impl SpectralTransform {
         }))
     }
 
+    /// The bands between `edges`, (C, V) each, where the spectrum of every vertex is cut by the
+    /// thickness of the shape there.
+    ///
+    /// # Errors
+    /// If the edges do not increase.
+    pub(crate) fn bands_cut<'a>(
+        &'a self,
+        edges: &'a [f64],
+        cut: ThicknessCut,
+    ) -> Result<impl Iterator<Item = Array2<f64>> + 'a> {
+        check_edges(edges)?;
+        Ok(cut.bands(&self.trajectory, edges))
+    }
+
     /// f^H = Σ_k H(t_k) φ_k + R, (C, V) (Brokman et al. 2024, Eq. 53).
     ///
     /// # Errors
     /// If `gains` are not N − 1 finite values.
     pub fn filter(&self, gains: &[f64]) -> Result<Array2<f64>> {
+        self.check_gains(gains)?;
+        Ok(self.combination(gains) + self.residual())
+    }
+
+    fn check_gains(&self, gains: &[f64]) -> Result<()> {
         let expected = self.component_times().len();
         if gains.len() != expected {
             return Err(ArgumentError::count(
@@ -114,7 +133,28 @@ impl SpectralTransform {
         if let Some(k) = gains.iter().position(|gain| !has_usable_size(*gain)) {
             return Err(ArgumentError::non_finite(format!("gains[{k}]"), gains[k]).into());
         }
-        Ok(self.combination(gains) + self.residual())
+        Ok(())
+    }
+
+    /// The same where the spectrum of every vertex is cut by the thickness of the shape there: the
+    /// bands between midpoints of times are filtered, each by H(t_k), and what is later is kept.
+    ///
+    /// # Errors
+    /// If `gains` are not N − 1 finite values.
+    pub(crate) fn filter_cut(&self, gains: &[f64], cut: &ThicknessCut) -> Result<Array2<f64>> {
+        self.check_gains(gains)?;
+        let times = self.times();
+        let mut shape = self.trajectory.initial().to_owned();
+        for (k, gain) in gains.iter().enumerate() {
+            let (edge, next) = match gains.get(k + 1) {
+                Some(next) => (0.5 * (times[k + 1] + times[k + 2]), *next),
+                None => (times[k + 2], 1.0),
+            };
+            if *gain != next {
+                shape.scaled_add(gain - next, &cut.before(&self.trajectory, edge));
+            }
+        }
+        Ok(shape)
     }
 
     /// S(t_k) = Σ_v M_v |φ_k(v)| for k = 1 … N − 1, |·| over all channels; `masses` are the V
