@@ -42,6 +42,9 @@ def everything() -> dict[str, str]:
         "solved": deformer.solve(targets).vertices,
         "dragged": deformer.drag(targets + np.array([0, 0, 0.1])).vertices,
         "sequence": deformer.solve_sequence([targets, targets * 1.1])[1].vertices,
+        "folds": spectral_tv.folds(mesh, 2 * vertices[:, [1, 0, 2]]).flipped,
+        "safe": spectral_tv.safe_displacement(mesh, 2 * vertices[:, [1, 0, 2]]).displacement,
+        "crossing": spectral_tv.self_intersections(mesh, vertices[:, [1, 0, 2]]),
         "bytes": spectral_tv.estimate(mesh).bytes,
         "job": spectral_tv.start_decompose(mesh, "heat", steps=5).result().residual,
     }

@@ -32,6 +32,13 @@ from spectral_tv._decompose import (
 from spectral_tv._deform import deform, start_deform
 from spectral_tv._eigen import eigenpairs, eigenset_test, start_eigenset_test
 from spectral_tv._flow import conformal_flow, flow, start_flow
+from spectral_tv._guard import (
+    folds,
+    safe_displacement,
+    self_intersections,
+    start_safe_displacement,
+    start_self_intersections,
+)
 from spectral_tv._image import decompose_image, start_decompose_image
 from spectral_tv._native import (
     Cancelled,
@@ -49,7 +56,15 @@ from spectral_tv._native import (
     total_variation,
 )
 from spectral_tv._options import DEFAULTS, METHODS, MethodFacts
-from spectral_tv._results import Accuracy, Deformation, EigensetTest, Estimate, Findings
+from spectral_tv._results import (
+    Accuracy,
+    Deformation,
+    EigensetTest,
+    Estimate,
+    Findings,
+    Folds,
+    SafeDisplacement,
+)
 from spectral_tv._threads import use_threads
 
 prepare()
@@ -66,11 +81,13 @@ __all__ = [
     "Estimate",
     "Findings",
     "Flow",
+    "Folds",
     "Job",
     "Mesh",
     "MeshError",
     "MeshWarning",
     "MethodFacts",
+    "SafeDisplacement",
     "__version__",
     "accuracy",
     "caricature",
@@ -85,7 +102,10 @@ __all__ = [
     "eigenset_test",
     "estimate",
     "flow",
+    "folds",
     "graded_times",
+    "safe_displacement",
+    "self_intersections",
     "set_threads",
     "start_accuracy",
     "start_caricature",
@@ -95,6 +115,8 @@ __all__ = [
     "start_deform",
     "start_eigenset_test",
     "start_flow",
+    "start_safe_displacement",
+    "start_self_intersections",
     "threads",
     "total_variation",
     "use_threads",

@@ -6,9 +6,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_tv._options import Progress
-from spectral_tv._results import Accuracy, Deformation, EigensetTest, Estimate, Findings
+from spectral_tv._results import (
+    Accuracy,
+    Deformation,
+    EigensetTest,
+    Estimate,
+    Findings,
+    Folds,
+    SafeDisplacement,
+)
 
 __version__: str
+_STRETCH: float
 
 class MeshError(ValueError):
     vertices: NDArray[np.int64]
@@ -168,6 +177,13 @@ def start_flow(
     operator: str,
     options: Mapping[str, Any],
 ) -> Job[Flow]: ...
+def folds(mesh: Mesh, displacement: ArrayLike, stretch: float) -> Folds: ...
+def start_safe_displacement(
+    mesh: Mesh, displacement: ArrayLike, stretch: float
+) -> Job[SafeDisplacement]: ...
+def start_self_intersections(
+    mesh: Mesh, displacement: ArrayLike | None
+) -> Job[NDArray[np.int64]]: ...
 def total_variation(mesh: Mesh, values: ArrayLike) -> float: ...
 def default_base_time() -> float: ...
 def default_scales(options: Mapping[str, Any]) -> tuple[float, float]: ...

@@ -212,3 +212,50 @@ class Deformation(_Result):
     gap: float
     iterations: int
     unconstrained: NDArray[np.int64] = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Folds(_Result):
+    """What a displacement does to the faces of a mesh, found by `folds`.
+
+    Attributes
+    ----------
+    flipped : int64 array
+        Faces whose normals turn by over 90° against the mesh as it is, in order.
+    stretched : int64 array
+        Faces with an edge that becomes longer than the limit allows, in order.
+    largest_stretch : float
+        The largest length of an edge relative to what it was; 0 if no face has a size.
+    safe_gain : float
+        The least positive gain of the displacement at which a face folds but for a margin (a fifth
+        of its area is left, as seen along its normal), or an edge reaches the limit. Below it
+        nothing folds or stretches. Infinity if there is none.
+    """
+
+    flipped: NDArray[np.int64] = field(repr=False)
+    stretched: NDArray[np.int64] = field(repr=False)
+    largest_stretch: float
+    safe_gain: float
+
+
+@dataclass(frozen=True, eq=False)
+class SafeDisplacement(_Result):
+    """A displacement that folds and stretches nothing, made by `safe_displacement`.
+
+    Attributes
+    ----------
+    displacement : array
+        The displacement, clamped, (V, 3).
+    shares : array
+        The share of its displacement that each vertex keeps, (V,), in [0, 1].
+    kept : float
+        How long the clamped displacement is, relative to the one asked for; both as means over the
+        area. 1 if nothing had to be clamped.
+    rounds : int
+        How many times shares were lowered.
+    """
+
+    displacement: Numbers = field(repr=False)
+    shares: Numbers = field(repr=False)
+    kept: float
+    rounds: int

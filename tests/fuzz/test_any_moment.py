@@ -14,6 +14,7 @@ from shapes import bumpy_sphere
 
 MESH = spectral_tv.Mesh(*bumpy_sphere(3))
 FUNCTION = MESH.vertices[:, 0]
+WILD = np.random.default_rng(0).normal(size=MESH.vertices.shape)
 JOBS = {
     "m1": lambda: spectral_tv.start_decompose(MESH, steps=2000),
     "m2": lambda: spectral_tv.start_decompose(MESH, "m2", steps=2000, solver="multigrid"),
@@ -24,6 +25,8 @@ JOBS = {
     "deform": lambda: spectral_tv.start_deform(
         MESH, [0, 1, 9], 2 * MESH.vertices[[0, 5, 9]], tolerance=1e-12
     ),
+    "safe displacement": lambda: spectral_tv.start_safe_displacement(MESH, WILD),
+    "self-intersections": lambda: spectral_tv.start_self_intersections(MESH, WILD),
     "accuracy": lambda: spectral_tv.start_accuracy(MESH, steps=[64, 128]),
 }
 

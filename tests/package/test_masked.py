@@ -44,10 +44,20 @@ ARRAYS = {
     "targets of a drag": (TARGETS, DEFORMER.drag),
     "targets of a sequence": (TARGETS, lambda a: DEFORMER.solve_sequence([a, TARGETS])),
     "steps": (np.array([4, 5]), lambda a: spectral_tv.accuracy(MESH, steps=a, bands=2)),
+    "displacement": (VERTICES, lambda a: spectral_tv.folds(MESH, a)),
+    "displacement to clamp": (VERTICES, lambda a: spectral_tv.safe_displacement(MESH, a)),
+    "displacement by which faces cross": (
+        VERTICES,
+        lambda a: spectral_tv.self_intersections(MESH, a),
+    ),
     "values of a variation": (VERTICES, lambda a: spectral_tv.total_variation(MESH, a)),
 }
 # What the error calls them.
-NAMES = {"image times": "times", "edges of a flow": "edges"}
+NAMES = {
+    "image times": "times",
+    "edges of a flow": "edges",
+    "displacement to clamp": "displacement",
+}
 
 
 def name_of(case):

@@ -43,6 +43,7 @@ times = spectral_tv.graded_times(1e-4, 1e-2, 8)
 soup = vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
 image = vertices[:, 2].reshape({SIDE}, {SIDE})
 deformer = spectral_tv.Deformer(mesh, ends)
+spikes = 0.3 * np.sin(1e4 * vertices)
 
 def trial(call, limit, used, room):
     read, write = os.pipe()
@@ -84,6 +85,9 @@ CALLS = {
     "cosegment": "spectral_tv.cosegment([split, split], 3)",
     "conformal flow": "spectral_tv.conformal_flow(mesh, 1e-3)",
     "eigenset test": "spectral_tv.eigenset_test(mesh, vertices[:, 0] < 0.4).values",
+    "folds": "spectral_tv.folds(mesh, vertices[:, [1, 0, 2]]).flipped",
+    "safe displacement": "spectral_tv.safe_displacement(mesh, spikes).displacement",
+    "self-intersections": "spectral_tv.self_intersections(mesh, spikes)",
     **{
         f"deform by {algorithm}": "spectral_tv.deform(mesh, ends, targets, "
         f"algorithm='{algorithm}').vertices"

@@ -60,6 +60,8 @@ OTHERS = {
     "accuracy": lambda: spectral_tv.accuracy(MESH, steps=[4, 6], bands=2, refinement=2),
     "deformation": lambda: spectral_tv.deform(MESH, ENDS, TARGETS),
     "eigenset test": lambda: spectral_tv.eigenset_test(MESH, UPPER),
+    "folds": lambda: spectral_tv.folds(MESH, -2 * VERTICES * [0, 0, 1]),
+    "safe displacement": lambda: spectral_tv.safe_displacement(MESH, 2 * VERTICES[:, ::-1]),
     "estimate": lambda: spectral_tv.estimate(MESH),
 }
 

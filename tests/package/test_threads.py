@@ -55,6 +55,7 @@ def test_large_results_have_the_same_bits_with_any_number_of_threads():
     mesh = spectral_tv.Mesh(vertices, triangles)
     soup, corners = vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
     ends = np.flatnonzero(np.abs(vertices[:, 2]) > 0.8)
+    wave = 0.6 * np.sin(9 * vertices[:, [1, 2, 0]])
     targets = vertices[ends] + np.where(vertices[ends, 2:] > 0, 1, 0) * [0.3, 0, 0]
     found = {}
     for count in (1, 2, 5):
@@ -68,6 +69,9 @@ def test_large_results_have_the_same_bits_with_any_number_of_threads():
                 spectral_tv.Mesh(soup, corners, weld=0.0).vertex_areas,
                 spectral_tv.decompose(mesh, steps=2, scheme="exact").residual,
                 spectral_tv.eigenpairs(mesh, 12),
+                vars(spectral_tv.folds(mesh, wave)),
+                vars(spectral_tv.safe_displacement(mesh, wave)),
+                spectral_tv.self_intersections(mesh, wave),
                 spectral_tv.deform(mesh, ends, targets).vertices,
                 spectral_tv.deform(mesh, ends, targets, algorithm="arap", tolerance=0.1).vertices,
             )

@@ -4,6 +4,7 @@
 
 mod deform;
 mod flow;
+mod guard;
 mod image;
 mod number;
 mod scales;
@@ -35,6 +36,7 @@ enum Call {
     Cosegment(sets::Cosegment),
     EigensetTest(sets::Set),
     Image(image::Pixels),
+    Guard(guard::Shift),
 }
 
 impl Input {
@@ -61,6 +63,7 @@ impl Input {
             Call::Drag(call) => call.run(&mesh),
             Call::Cosegment(call) => call.run(&mesh),
             Call::EigensetTest(call) => call.run(&mesh),
+            Call::Guard(call) => call.run(&mesh),
             Call::Image(_) => {}
         }
         true

@@ -130,6 +130,15 @@ fn triples<T: Element + Copy>(
     name: &str,
     array: &Bound<'_, PyAny>,
 ) -> Result<Vec<[T; 3]>, Failure> {
+    with_triples(name, array, copied)
+}
+
+/// Does `work` on the rows of an array of shape (rows, 3).
+fn with_triples<T: Element + Copy, U>(
+    name: &str,
+    array: &Bound<'_, PyAny>,
+    work: impl FnOnce(&[[T; 3]]) -> Result<U, Failure>,
+) -> Result<U, Failure> {
     let array = array.cast::<PyArrayDyn<T>>().map_err(PyErr::from)?;
     let shape = array.shape();
     if shape.len() != 2 || shape[1] != 3 {
@@ -139,13 +148,22 @@ fn triples<T: Element + Copy>(
         .into());
     }
     let read = array.readonly();
-    let (rows, _) = read.as_slice().map_err(PyErr::from)?.as_chunks::<3>();
-    copied(rows)
+    work(read.as_slice().map_err(PyErr::from)?.as_chunks::<3>().0)
 }
 
 /// Positions, (V, 3) numbers.
 pub fn positions(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<[f64; 3]>, Failure> {
     triples(name, &numbers(name, value, NUMBERS, "float64")?)
+}
+
+/// Does short `work` on positions, which are read but once.
+pub fn with_positions<T>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    work: impl FnOnce(&[[f64; 3]]) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    // A copy of the value that nobody else has.
+    with_triples(name, &numbers(name, value, NUMBERS, "float64")?, work)
 }
 
 /// A shape, (V, 3) numbers, as (3, V).

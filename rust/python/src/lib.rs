@@ -12,6 +12,7 @@ mod error;
 mod estimate;
 mod flow;
 mod flowing;
+mod guard;
 mod image;
 mod job;
 mod mesh;
@@ -23,6 +24,7 @@ mod settings;
 mod threads;
 
 use pyo3::prelude::*;
+use spectral_tv::guard::DEFAULT_STRETCH;
 use spectral_tv::solver::warm_up;
 use spectral_tv_system::{Heap, keep_a_little};
 
@@ -36,6 +38,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     warm_up();
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("_STRETCH", DEFAULT_STRETCH)?;
     error::prepare(py)?;
     module.add("MeshError", py.get_type::<error::MeshError>())?;
     module.add("MeshWarning", py.get_type::<error::MeshWarning>())?;
@@ -56,6 +59,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(flowing::start_conformal_flow, module)?,
         wrap_pyfunction!(flowing::start_flow, module)?,
         wrap_pyfunction!(flowing::total_variation, module)?,
+        wrap_pyfunction!(guard::folds, module)?,
+        wrap_pyfunction!(guard::start_safe_displacement, module)?,
+        wrap_pyfunction!(guard::start_self_intersections, module)?,
         wrap_pyfunction!(image::start_decompose_image, module)?,
         wrap_pyfunction!(pickling::_reduced, module)?,
         wrap_pyfunction!(pickling::_restore, module)?,

@@ -27,7 +27,7 @@ macro_rules! named {
 
 named! {
     band bands count finest gain height keep_limbs largest refinement scales seed segments smooth
-    softness steps time tolerance
+    softness steps stretch time tolerance
 }
 
 macro_rules! integers {

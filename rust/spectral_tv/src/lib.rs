@@ -8,6 +8,7 @@ pub mod discretization;
 pub mod eigenset;
 mod error;
 pub mod flow;
+pub mod guard;
 pub mod image;
 #[cfg(not(feature = "internals"))]
 mod memory;

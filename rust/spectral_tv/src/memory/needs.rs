@@ -17,6 +17,10 @@ const BASE: u64 = 500;
 const OPERATORS: u64 = 500;
 /// The same of one solution of a deformer, beside what that holds.
 const SOLUTION: u64 = 600;
+/// The same of looking for faces that fold, of clamping a displacement, and of boxes round faces.
+const FOLDS: u64 = 120;
+const CLAMPED: u64 = 300;
+const BOXES: u64 = 520;
 
 /// How large a mesh is, for what is held of its vertices and triangles: V, or F/4 if that is more:
 /// most have 2 V triangles, an image's grid 4 V.
@@ -89,6 +93,21 @@ pub fn deformation_for_comparison(size: Size) -> u64 {
 pub fn solutions(size: Size, count: usize) -> u64 {
     let kept = functions(3, size.0).saturating_mul(count as u64);
     size.times(SOLUTION).saturating_add(kept)
+}
+
+/// Bytes of looking for faces that fold, if all of them do.
+pub fn folds(size: Size) -> u64 {
+    size.times(FOLDS)
+}
+
+/// Bytes of clamping a displacement.
+pub fn safe_displacement(size: Size) -> u64 {
+    size.times(CLAMPED)
+}
+
+/// Bytes of looking for faces that cross others.
+pub fn self_intersections(size: Size) -> u64 {
+    size.times(BOXES)
 }
 
 /// Bytes of the operators of a mesh.

@@ -63,6 +63,6 @@ fn distance(p: &[f64; 3], q: &[f64; 3]) -> f64 {
 }
 
 #[inline]
-pub(super) fn repeats_an_index(&[a, b, c]: &[u32; 3]) -> bool {
+pub(crate) fn repeats_an_index(&[a, b, c]: &[u32; 3]) -> bool {
     a == b || b == c || c == a
 }

@@ -19,6 +19,7 @@ use components::surface_count;
 pub(crate) use components::{component_count, components_of};
 pub use doubts::Doubt;
 pub use findings::Findings;
+pub(crate) use intrinsic::repeats_an_index;
 use intrinsic::{embedded_lengths, enlarged, enlargement, face_area};
 use open_edges::open_edges;
 pub use repair::{Broken, Repair};

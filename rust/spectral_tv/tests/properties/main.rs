@@ -5,6 +5,7 @@
 mod decompositions;
 mod deformations;
 mod flows;
+mod guard;
 mod random;
 mod sets;
 
