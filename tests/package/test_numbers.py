@@ -26,6 +26,8 @@ CALLS = {
     "decompose_image": (IMAGE, "surface"),
     "accuracy": (MESH,),
     "eigenpairs": (MESH,),
+    "folds": (MESH, np.zeros((4, 3))),
+    "safe_displacement": (MESH, np.zeros((4, 3))),
     "caricature": ([MESH],),
     "cosegment": ([SPLIT],),
     "deform": (MESH, [0, 1], TARGETS),
