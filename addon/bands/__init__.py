@@ -7,6 +7,7 @@ from . import (
     caricature,
     decompose,
     decompose_panel,
+    limbs,
     properties,
     set_bands,
     spectrum,
@@ -17,6 +18,7 @@ from . import (
 FILES = (
     properties,
     decompose,
+    limbs,
     set_bands,
     take_bands,
     apply_modifier,

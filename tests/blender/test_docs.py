@@ -23,7 +23,7 @@ FILES = {
     "scripting.md-2": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
     "scripting.md-4": ["mask.blend", "mask.csv"],
     "scripting.md-5": ["smooth.png"],
-    "scripting.md-10": ["splits.pickle"],
+    "scripting.md-11": ["splits.pickle"],
 }
 
 
