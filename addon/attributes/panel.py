@@ -9,6 +9,7 @@ from ..options import rows
 from ..scene.objects import refusal
 from .eigenset import SPECTRAL_TV_OT_test_eigenset
 from .flow import SPECTRAL_TV_OT_flow_attribute
+from .thickness import SPECTRAL_TV_OT_measure_thickness
 from .values import SPECTRAL_TV_OT_export_values, SPECTRAL_TV_OT_plot_values
 
 
@@ -27,6 +28,7 @@ class SPECTRAL_TV_PT_attributes(MeshPanel, bpy.types.Panel):
         count, settings = len(context.active_object.data.vertices), choices.settings()
         draw_needs(layout, context, of_values(count, settings.steps, settings.is_exact))
         draw_button(layout, SPECTRAL_TV_OT_flow_attribute, "MOD_SMOOTH", choices)
+        layout.operator(SPECTRAL_TV_OT_measure_thickness.bl_idname, icon="MOD_THICKNESS")
 
 
 class AttributesPart(Sidebar):

@@ -50,6 +50,8 @@ class Flow:
 # as each holds all states. Objects that were decomposed as one share theirs.
 flows: dict[str, Flow] = {}
 MOST_FLOWS = 4
+# Vertices of bands that are held at once.
+MOST_VALUES = 10_000_000
 # Of the work of a decomposition that keeps limbs, about what measuring the thickness takes.
 MEASURING = 0.2
 # Values nearer than this are the same.
@@ -287,9 +289,11 @@ def _names(method: str, count: int) -> list[str]:
 
 def displacements(flow: Flow, edges: np.ndarray, keep_limbs: float) -> Iterator[np.ndarray]:
     """What each band between ``edges`` adds to an object, (V, 3) each."""
-    # One by one, as each is as large as the mesh.
-    for pair in pairwise(edges):
-        yield flow.surface.to_object(flow.split.bands(np.array(pair), keep_limbs))[0]
+    # One by one where they are large. Together they take less time, as they share their ends.
+    is_large = (len(edges) - 1) * len(flow.surface.place) > MOST_VALUES
+    for some in pairwise(edges) if is_large else (edges,):
+        for band in flow.split.bands(np.array(some), keep_limbs):
+            yield flow.surface.to_object(band[np.newaxis])[0]
 
 
 def _add(

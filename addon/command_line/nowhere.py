@@ -49,7 +49,7 @@ def _vertices(count: int) -> str:
 def _nowhere(mesh: bpy.types.Mesh) -> np.ndarray:
     """Indices of the vertices that have no finite place, in the mesh or one of its keys."""
     is_nowhere = np.zeros(len(mesh.vertices), dtype=bool)
-    for points in (mesh.vertices, *(key.data for key in keys_of(mesh).values())):
+    for points in (mesh.vertices, *(key.points for key in keys_of(mesh).values())):
         is_nowhere |= are_nowhere(coordinates(points).reshape(-1, 3))
     return np.flatnonzero(is_nowhere)
 

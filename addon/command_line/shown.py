@@ -183,7 +183,7 @@ def _write(mesh: bpy.types.Mesh, shape: Shape) -> None:
             key = helper.shape_key_add(name=name, from_mix=False)
             key.slider_min, key.slider_max = SLIDER_RANGE
             key.value = shape.values[name]
-            key.data.foreach_set("co", (shape.base + move).astype(np.float32).ravel())
+            key.points.foreach_set("co", (shape.base + move).astype(np.float32).ravel())
 
 
 def _animate(mesh: bpy.types.Mesh, obj: bpy.types.Object, shape: Shape) -> None:

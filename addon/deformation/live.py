@@ -170,7 +170,7 @@ def _choices(obj: bpy.types.Object) -> tuple:
 def _state(obj: bpy.types.Object) -> str:
     """Digest of the vertices of ``obj``, of the weights of its groups, and of its mirrors."""
     keys = obj.data.shape_keys
-    shape = coordinates(obj.data.vertices if keys is None else keys.reference_key.data)
+    shape = coordinates(obj.data.vertices if keys is None else keys.reference_key.points)
     groups = {each.vertex_group for each in identified(obj).values()} & {*obj.vertex_groups.keys()}
     weights = group_weights(obj, groups)
     parts = [part for group in sorted(weights) for part in weights[group]]

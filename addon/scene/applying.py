@@ -89,7 +89,7 @@ def _evaluated(obj: bpy.types.Object, name: str) -> Iterator[Applied]:
             copy.modifiers.remove(other)
         shapes, basis = [], None
         for key in obj.data.shape_keys.key_blocks:
-            mesh.vertices.foreach_set("co", coordinates(key.data))
+            mesh.vertices.foreach_set("co", coordinates(key.points))
             mesh.update()
             with Temporary() as meanwhile:
                 result = (now if basis is None else meanwhile).made(mesh_of(copy))
@@ -132,6 +132,6 @@ def _write(obj: bpy.types.Object, applied: Applied) -> None:
     edited.to_mesh(mesh)
     edited.free()
     for key, shape in zip(mesh.shape_keys.key_blocks, applied.keys, strict=True):
-        key.data.foreach_set("co", shape)
+        key.points.foreach_set("co", shape)
     mesh.vertices.foreach_set("co", applied.keys[0])
     mesh.update()

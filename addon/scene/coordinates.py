@@ -29,7 +29,7 @@ def seen_coordinates(obj: bpy.types.Object) -> np.ndarray:
 def basis_coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
     """Positions of the Basis shape key, or of the mesh where it has none, (V, 3)."""
     keys = mesh.shape_keys
-    return points(mesh.vertices if keys is None else keys.reference_key.data)
+    return points(mesh.vertices if keys is None else keys.reference_key.points)
 
 
 def triangles(mesh: bpy.types.Mesh, shape: np.ndarray | None = None) -> np.ndarray:

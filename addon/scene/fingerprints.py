@@ -131,13 +131,13 @@ def digests(obj: bpy.types.Object, written: str, names: Collection[str]) -> dict
         return {name: digest(*found) for name, found in members(obj, names).items()}
     if written == "KEY":
         keys = obj.data.shape_keys
-        return {name: digest(coordinates(keys.key_blocks[name].data)) for name in names}
+        return {name: digest(coordinates(keys.key_blocks[name].points)) for name in names}
     return {name: _attribute_digest(obj.data.attributes[name]) for name in names}
 
 
 def rounding(key: bpy.types.ShapeKey) -> float:
     """By how much rounding may change how far a key moves a vertex along an axis."""
-    return CHANGE * ROUNDING * float(np.abs(coordinates(key.data)).max(initial=0.0))
+    return CHANGE * ROUNDING * float(np.abs(coordinates(key.points)).max(initial=0.0))
 
 
 def sketch(displacements: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ def keys_of(mesh: bpy.types.Mesh) -> Mapping[str, bpy.types.ShapeKey]:
 
 def key_displacement(key: bpy.types.ShapeKey) -> np.ndarray:
     """How far a key at 1 moves the vertices: from the key that it is relative to, (V, 3)."""
-    return points(key.data) - points(key.relative_key.data)
+    return points(key.points) - points(key.relative_key.points)
 
 
 def mask(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:

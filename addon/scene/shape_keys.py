@@ -58,8 +58,8 @@ def set_displacement(
     """
     if key.relative_key in (None, key):
         key.relative_key = key.id_data.reference_key
-    before = points(key.data)
-    after = points(key.relative_key.data) + displacement
+    before = points(key.points)
+    after = points(key.relative_key.points) + displacement
     _set_coordinates(key, after)
     _shift_relatives(key, after - before)
     obj.data.update_tag()
@@ -71,11 +71,11 @@ def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
     Keys that are relative to it are made relative to Basis, and move the vertices as before.
     """
     keys = key.id_data
-    basis = points(keys.reference_key.data)
+    basis = points(keys.reference_key.points)
     for other in keys.key_blocks:
         if other != key and other.relative_key == key:
             moved = key_displacement(other)
-            shift = basis + moved - points(other.data)
+            shift = basis + moved - points(other.points)
             _set_coordinates(other, basis + moved)
             other.relative_key = keys.reference_key
             _shift_relatives(other, shift)
@@ -103,13 +103,13 @@ def _shift_relatives(key: bpy.types.ShapeKey, shift: np.ndarray) -> None:
         reference = pending.pop()
         for other in key.id_data.key_blocks:
             if other.name not in moved and other.relative_key == reference:
-                _set_coordinates(other, points(other.data) + shift)
+                _set_coordinates(other, points(other.points) + shift)
                 moved.add(other.name)
                 pending.append(other)
 
 
 def _set_coordinates(key: bpy.types.ShapeKey, coordinates: np.ndarray) -> None:
-    key.data.foreach_set("co", coordinates.astype(np.float32).ravel())
+    key.points.foreach_set("co", coordinates.astype(np.float32).ravel())
 
 
 def _add_key(obj: bpy.types.Object, name: str, coordinates: np.ndarray) -> bpy.types.ShapeKey:

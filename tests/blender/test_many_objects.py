@@ -36,4 +36,6 @@ def test_of_two_hundred_objects_only_the_shape_keys_are_kept():
         used.append(kilobytes())
     settled = COUNT // 4
     flow = STEPS * len(obj.data.vertices) * 3 * 4 / 1024
-    assert used[-1] - used[settled] < flow * (COUNT - settled) / 3, used
+    # The least of some, as what was freed goes back to the system now and then.
+    before, after = min(used[settled : 2 * settled]), min(used[-settled:])
+    assert after - before < flow * (COUNT - 2 * settled) / 3, used

@@ -58,11 +58,11 @@ def test_settings_that_count_are_in_the_report_alone(tmp_path: Path):
     source, report = write_monkey(tmp_path / "monkey.ply"), tmp_path / "report.jsonl"
     every = {"method", "bands", "shape", "weld", "leave_out", "apart", "gains"}
     for options, own in (
-        ([], {"steps"}),
-        (["--finest", "2"], {"steps", "finest"}),
-        (["--method", "m3"], {"steps", "base", "metric"}),
+        ([], {"steps", "soft_edges", "keep_limbs"}),
+        (["--finest", "2"], {"steps", "finest", "soft_edges", "keep_limbs"}),
+        (["--method", "m3"], {"steps", "base", "displacement", "metric", "keep_limbs"}),
         (["--method", "displacement"], {"base"}),
-        (["--method", "lb", "--eigenpairs", "9"], {"steps", "eigenpairs"}),
+        (["--method", "lb", "--eigenpairs", "9"], {"steps", "eigenpairs", "keep_limbs"}),
     ):
         arguments = ["--gain", "1=0", "--report", str(report), *QUICK, *options]
         assert run(["decompose", str(source), "-o", str(tmp_path / "out.stl"), *arguments]) == 0
@@ -72,7 +72,7 @@ def test_settings_that_count_are_in_the_report_alone(tmp_path: Path):
             wanted.discard("bands")
         assert set(found) == wanted
         assert None not in found.values()
-    assert lines(report)[2]["done"]["settings"]["base"] == "flow"
+    assert lines(report)[2]["done"]["settings"]["base"] == "limbs"
 
 
 def test_lines_are_added_for_every_input_and_verb(tmp_path: Path):
