@@ -26,6 +26,7 @@ LONG_WORK = (
 # One for every operator that runs a job.
 SHORT_WORK = {
     "bake_deformation": {"frame_end": 3},
+    "bake_safe": {},
     "caricature": {"steps": FEW},
     "cosegment": {"steps": FEW},
     "decompose": {"steps": FEW},
