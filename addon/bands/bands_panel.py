@@ -61,7 +61,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         layout.operator(operators.SPECTRAL_TV_OT_keyframe.bl_idname, icon="KEY_HLT")
         row = layout.row(align=True)
         row.operator(operators.SPECTRAL_TV_OT_bake.bl_idname, icon="SHAPEKEY_DATA")
-        row.operator(SPECTRAL_TV_OT_bake_safe.bl_idname, icon="CHECKMARK")
+        row.operator(SPECTRAL_TV_OT_bake_safe.bl_idname, icon="FAKE_USER_ON")
         layout.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
         row = layout.row(align=True)
         row.prop(context.scene.spectral_tv, "bands")

@@ -129,16 +129,18 @@ class Clamping:
         self, objects: Sequence[bpy.types.Object], result: Clamped
     ) -> tuple[list[bpy.types.ShapeKey], str]:
         """Add a shape key to each object, at value 0; return them, and what was done."""
-        before, left, after = Counts(), Counts(), Counts()
+        before, after = Counts(), Counts()
         keys = []
         with whole(*objects):
             for obj, mixed, surface in zip(objects, self.mixes, self.surfaces, strict=True):
                 safe = mixed.taken + _least(surface, result.shares)[:, np.newaxis] * mixed.added
                 keys += add_displacements(obj, [NAME], [safe])
-                moves = [mixed.taken + mixed.added, mixed.taken, mix.key_displacement(keys[-1])]
+                # Beyond 1 it would fold.
+                keys[-1].slider_min, keys[-1].slider_max = 0.0, 1.0
+                moves = [mixed.taken + mixed.added, mix.key_displacement(keys[-1])]
                 found = Reference().counts_of(obj, mixed.shape, moves, self.stretch)
-                before, left, after = before + found[0], left + found[1], after + found[2]
-        _note_left(left, after, result.crossing)
+                before, after = before + found[0], after + found[1]
+        self._note_left(after, result.crossing)
         names = ", ".join(dict.fromkeys(repr(key.name) for key in keys))
         done = (
             f"{before.told()} in the mix; {after.told()} in {names}, which keeps "
@@ -152,16 +154,18 @@ class Clamping:
             )
         return keys, f"{done}; added"
 
-
-def _note_left(left: Counts, after: Counts, crossing: tuple[int, int, int]) -> None:
-    """Note what clamping does not mend; ``left`` is what bands below 0 do alone."""
-    if left:
-        note(f"what bands below 0 take away is not clamped: by that {left.told()}")
-    elif after:
-        note(f"by rounding to single precision {after.told()}")
-    without, _, still = crossing
-    if still > without:
-        note(f"parts meet that lie apart, which clamping does not prevent: {still} triangles cross")
+    def _note_left(self, after: Counts, crossing: tuple[int, int, int]) -> None:
+        """Note what clamping did not mend."""
+        if after and self.taken.any():
+            note(f"what bands below 0 take away is not clamped: with it {after.told()}")
+        elif after:
+            note(f"{after.told()} all the same, by rounding or as faces bend")
+        without, _, still = crossing
+        if still > without:
+            note(
+                "parts meet that lie apart, which clamping does not prevent: "
+                f"{still} triangles cross"
+            )
 
 
 def _least(surface: Surface, shares: np.ndarray) -> np.ndarray:

@@ -241,6 +241,29 @@ def test_where_the_mesh_is_under_work_nothing_is_said(sheet, mode):
     assert line() == wild
 
 
+def test_bands_of_an_override_are_counted(sheet, tmp_path: Path):
+    turn(sheet)
+    wild = line()
+    path = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {sheet})
+    bpy.data.batch_remove([sheet, sheet.data])
+    with bpy.data.libraries.load(path, link=True) as (_, target):
+        target.objects = ["Sheet"]
+    (linked,) = target.objects
+    bpy.context.scene.collection.objects.link(linked)
+    bpy.context.view_layer.objects.active = linked
+    bpy.context.view_layer.update()
+    assert line() == wild
+    layer = bpy.context.view_layer
+    own = linked.override_hierarchy_create(bpy.context.scene, layer, do_fully_editable=True)
+    layer.objects.active = own
+    turn(own, **{"M1 Band 3": 2.0})
+    assert "face" in line() and line() != wild
+    turn(own)
+    assert line() == wild
+    bpy.data.batch_remove([*bpy.data.objects, *bpy.data.meshes, *bpy.data.libraries])
+
+
 def test_of_huge_meshes_the_user_has_to_ask(sheet, monkeypatch, capfd):
     monkeypatch.setattr(live_guard, "MOST_LIVE", 1000)
     turn(sheet)
@@ -321,7 +344,7 @@ def test_what_is_taken_away_is_not_clamped(sheet, capfd):
     said = capfd.readouterr().out
     found = text(*counted(sheet, mix))
     assert "no band is above 0, so nothing is clamped" in said
-    assert f"what bands below 0 take away is not clamped: by that {found}" in said
+    assert f"what bands below 0 take away is not clamped: with it {found}" in said
 
 
 def test_what_is_added_is_clamped_on_what_is_left(sheet):
