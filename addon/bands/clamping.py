@@ -14,7 +14,7 @@ from ..scene import mix
 from ..scene.notes import note
 from ..scene.records import bands_of, record_of
 from ..scene.shape_keys import add_displacements
-from ..scene.surface import Reading, Surface
+from ..scene.surface import Reading, Surface, moves_of
 from ..scene.whole import whole
 from .bands import settings_of
 from .guard import STRETCH, Counts, Reference
@@ -118,7 +118,7 @@ class Clamping:
         reading = Reading(made_by.weld, made_by.leaves_out)
         surfaces = Surface.read_together(objects, shapes, reading)
         taken, added = (
-            _together(surfaces, [getattr(each, name) for each in mixes])
+            moves_of(surfaces, [getattr(each, name) for each in mixes])
             for name in ("taken", "added")
         )
         if not added.any():
@@ -172,15 +172,6 @@ def _least(surface: Surface, shares: np.ndarray) -> np.ndarray:
     """The share of each vertex of the object, (V,): the least of its copies'."""
     places = surface.copies.places
     return np.where(places >= 0, shares[places], 1.0).min(axis=0)
-
-
-def _together(surfaces: Sequence[Surface], moves: Sequence[np.ndarray]) -> np.ndarray:
-    """Displacements (V, 3) of objects as one of their mesh, (N, 3)."""
-    found = np.zeros((len(surfaces[0].mesh.vertex_areas), 3))
-    for surface, moved in zip(surfaces, moves, strict=True):
-        mine = np.unique(surface.copies.places[surface.copies.places >= 0])
-        found[mine] = surface.merge_vectors(moved)[mine]
-    return found
 
 
 def _percent(share: float) -> str:

@@ -125,6 +125,7 @@ class SPECTRAL_TV_OT_count_folds(Refusing, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.active_object
+        _watched.pop(obj.session_uid, None)  # what was read may be out of date in scripts
         return self.tell(obj, count(obj).text, [])
 
 
