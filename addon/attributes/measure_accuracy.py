@@ -63,6 +63,7 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
             "steps": sorted(steps),
             "bands": settings.bands,
             "scales": settings.scales(surface.mesh),
+            "keep_limbs": settings.limbs_kept,
         }
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:

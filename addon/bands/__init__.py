@@ -8,6 +8,7 @@ from . import (
     caricature,
     decompose,
     decompose_panel,
+    limbs,
     live_guard,
     properties,
     set_bands,
@@ -19,6 +20,7 @@ from . import (
 FILES = (
     properties,
     decompose,
+    limbs,
     set_bands,
     take_bands,
     apply_modifier,

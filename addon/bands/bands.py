@@ -1,7 +1,8 @@
 """A decomposition as the bands of an object, and the record that links them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -9,6 +10,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
+from ..job.jobs import Chain
 from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
 from ..scene.fingerprints import Likeness
@@ -30,7 +32,7 @@ from ..scene.surface import Surface, flattened, shape_of
 from ..scene.weights import group_named
 from . import recut
 from .methods import METHODS
-from .settings import Settings
+from .settings import BEFORE, SMOOTHED, Settings
 from .shapes import read_surfaces
 from .solo import end_solo
 
@@ -48,6 +50,8 @@ class Flow:
 # as each holds all states. Objects that were decomposed as one share theirs.
 flows: dict[str, Flow] = {}
 MOST_FLOWS = 4
+# Of the work of a decomposition that keeps limbs, about what measuring the thickness takes.
+MEASURING = 0.2
 # Values nearer than this are the same.
 VISIBLE = 1e-6
 
@@ -60,7 +64,7 @@ def base_shape(
 
     Raises Refusal if the shape key it should be does not exist, or is not finite.
     """
-    if not settings.by.takes("base") or settings.base == "FLOW":
+    if not settings.by.takes("base") or settings.base in SMOOTHED:
         return None
     if settings.base == "FLAT":
         return flattened(surfaces[0])
@@ -100,6 +104,19 @@ def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposi
     return next((flow.split for flow in flows.values() if flow.source == source), None)
 
 
+def start_split(
+    mesh: spectral_tv.Mesh, settings: Settings, arguments: dict[str, Any]
+) -> spectral_tv.Job | Chain:
+    """Start to decompose a mesh, and to measure what its bands are cut by."""
+    if not settings.limbs_kept:
+        return spectral_tv.start_decompose(mesh, **arguments)
+    return Chain(
+        [partial(spectral_tv.start_thickness, mesh)],
+        lambda _: spectral_tv.start_decompose(mesh, **arguments),
+        last_share=1 - MEASURING,
+    )
+
+
 def add_bands(
     obj: bpy.types.Object,
     settings: Settings,
@@ -114,7 +131,7 @@ def add_bands(
     edges = split.band_edges(settings.band_count)
     flow = Flow(split, surface, _source(surface, arguments))
     record = obj.data.spectral_tv.decomposition
-    bands = _add(obj, record, settings.method, edges, flow)
+    bands = _add(obj, record, settings, edges, flow)
     for band in bands:
         band.vertex_group = settings.vertex_group
     record.method, record.settings = settings.method, settings.text()
@@ -130,20 +147,31 @@ def add_bands(
     return names
 
 
-def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
-    """Cut the remembered flow into ``count`` bands that take the place of the present ones.
+def flow_of(obj: bpy.types.Object) -> Flow:
+    """The flow that the bands of an object are cut from.
 
-    What was set of these goes over, see :mod:`recut`; those that were sculpted since stay, muted.
-    Raises Refusal if the flow is no longer in memory or the mesh was changed since.
+    Raises Refusal if it is no longer in memory or the mesh was changed since.
     """
     record = record_of(obj)
     if record.identifier not in flows:
         raise Refusal("its flow is no longer in memory; decompose it again")
     if topology_digest(obj.data) != record.topology:
         raise Refusal("its vertices or faces changed since; decompose it again")
-    flow = flows[record.identifier]
+    return flows[record.identifier]
+
+
+def cut_again(obj: bpy.types.Object, count: int, keep_limbs: float | None = None) -> list[str]:
+    """Cut the remembered flow into ``count`` bands that take the place of the present ones.
+
+    What was set of these goes over, see :mod:`recut`; those that were sculpted since stay, muted.
+    As much of limbs is kept as before, if nothing else is asked for. Raises Refusal as `flow_of`.
+    """
+    record, flow = record_of(obj), flow_of(obj)
+    settings = settings_of(record)
+    if keep_limbs is not None:
+        settings = replace(settings, keep_limbs=keep_limbs)
     edges = flow.split.band_edges(count)
-    new = _add(obj, record, record.method, edges, flow)
+    new = _add(obj, record, settings, edges, flow)
     end_solo(obj)
     there = keeping_of(record).all(obj.data)
     usual = _names(record.method, len(record.bands))
@@ -158,10 +186,11 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
     overlap = recut.Overlap.of(former, [*pairwise(edges)], flow.split.times[1:-1])
     if all(each.band is None for each in old):
         for band in new:
-            band.vertex_group = settings_of(record).vertex_group
+            band.vertex_group = settings.vertex_group
     wanted = _names(record.method, count)
     change = recut.Recut(obj, keeping_of(record), old, new, wanted, overlap)
     names, given = change.take_place()
+    record.settings = settings.text()
     _record_bands(obj, record, names, given, edges)
     return names
 
@@ -169,7 +198,7 @@ def cut_again(obj: bpy.types.Object, count: int) -> list[str]:
 def settings_of(record: SpectralTVRecord) -> Settings:
     """What the bands were made by."""
     if not record.settings:  # of 0.1.0
-        return Settings(method=record.method, bands=len(record.bands))
+        return Settings(method=record.method, bands=len(record.bands), **BEFORE)
     return Settings.of_text(record.settings)
 
 
@@ -256,15 +285,24 @@ def _names(method: str, count: int) -> list[str]:
     return [f"{METHODS[method].key_label} Band {band + 1}" for band in range(count)]
 
 
+def displacements(flow: Flow, edges: np.ndarray, keep_limbs: float) -> Iterator[np.ndarray]:
+    """What each band between ``edges`` adds to an object, (V, 3) each."""
+    # One by one, as each is as large as the mesh.
+    for pair in pairwise(edges):
+        yield flow.surface.to_object(flow.split.bands(np.array(pair), keep_limbs))[0]
+
+
 def _add(
-    obj: bpy.types.Object, record: SpectralTVRecord, method: str, edges: np.ndarray, flow: Flow
+    obj: bpy.types.Object,
+    record: SpectralTVRecord,
+    settings: Settings,
+    edges: np.ndarray,
+    flow: Flow,
 ) -> list[Band]:
     """Add the bands between ``edges``."""
-    # One by one, as each is as large as the mesh.
-    displacements = (
-        flow.surface.to_object(flow.split.bands(np.array(pair)))[0] for pair in pairwise(edges)
-    )
-    return keeping_of(record).add(obj, _names(method, len(edges) - 1), displacements)
+    names = _names(settings.method, len(edges) - 1)
+    found = displacements(flow, edges, settings.limbs_kept)
+    return keeping_of(record).add(obj, names, found)
 
 
 def _record_bands(
@@ -280,3 +318,4 @@ def _record_bands(
         band = record.bands.add()
         band.take(obj, keeping_of(record).written, name)
         band.given, band.start, band.end = first, start, end
+        band.is_sculpted = False

@@ -10,7 +10,9 @@ from . import filter_curve, live_guard, spectrum
 from . import set_bands as operators
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
+from .bands import flows
 from .gains import PRESETS
+from .limbs import limbs_refusal
 from .take_bands import SPECTRAL_TV_OT_take_bands
 
 
@@ -57,6 +59,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             icon = "SOLO_ON" if number == record.solo else "SOLO_OFF"
             solo = row.operator(operators.SPECTRAL_TV_OT_solo.bl_idname, text="", icon=icon)
             solo.band = number
+        self._draw_limbs(layout, context, record)
         live_guard.draw(layout, context)
         layout.operator(operators.SPECTRAL_TV_OT_keyframe.bl_idname, icon="KEY_HLT")
         row = layout.row(align=True)
@@ -67,6 +70,22 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.prop(context.scene.spectral_tv, "bands")
         cut = row.operator(operators.SPECTRAL_TV_OT_cut.bl_idname)
         cut.bands = context.scene.spectral_tv.bands
+
+    @staticmethod
+    def _draw_limbs(
+        layout: bpy.types.UILayout, context: bpy.types.Context, record: SpectralTVRecord
+    ) -> None:
+        obj = context.active_object
+        reason = limbs_refusal(obj)
+        row = layout.row()
+        row.enabled = reason is None
+        row.prop(obj.data.spectral_tv_limbs, "keep", slider=True)
+        if reason is not None and record.identifier not in flows:
+            say(layout, context, f"{reason} to change it", "INFO")
+        sculpted = [band.key for band in record.bands if band.is_sculpted]
+        if sculpted:
+            verb = "was sculpted and stays" if len(sculpted) == 1 else "were sculpted and stay"
+            say(layout, context, f"{', '.join(sculpted)} {verb}", "INFO")
 
     @staticmethod
     def _draw_spectrum(

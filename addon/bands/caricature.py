@@ -10,16 +10,20 @@ import spectral_tv
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..job.jobs import Chain, Seen, read_each, unchanged
 from ..job.operator import JobOperator
-from ..options.declaring import choice, integer, number
+from ..options.declaring import choice, in_force, integer, number, options_of
 from ..options.properties import choices_of
 from ..scene.notes import about, note
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from ..scene.whole import whole
-from .bands import add_bands, prepare, recall, set_values
+from .bands import add_bands, prepare, recall, set_values, start_split
 from .gains import caricature_values
-from .methods import OF_THE_PAPER
+from .methods import METHODS, OF_THE_PAPER
 from .settings import STEPS, Settings
+
+LIMBS = options_of(Settings)["keep_limbs"]
+# How much of limbs is kept, relative to what the method does: limbs are part of a caricature.
+PART = 0.5
 
 
 @dataclass(frozen=True)
@@ -27,24 +31,33 @@ class CaricatureSettings:
     """Which bands of all meshes are exaggerated, and which are smoothed away."""
 
     method: str = choice(
-        "Method", "What the bands split off", [each.item for each in OF_THE_PAPER], "M3",
+        "Method", "What the bands split off", [each.item for each in OF_THE_PAPER], "M1",
         place="method"
     )  # fmt: skip
     bands: int = integer("Bands", "Number of bands", 5, 2, 32, place="method")
     steps: int = integer("Steps", STEPS, 32, 3, 1000, soft_most=128, place="method")
+    keep_limbs: float = number(
+        LIMBS.label, LIMBS.text, None, LIMBS.least, LIMBS.most, soft_most=LIMBS.soft_most,
+        digits=LIMBS.digits, own=lambda asked: PART * METHODS[asked.method].keep_limbs
+    )  # fmt: skip
     first: int = integer(
-        "From", "First exaggerated band; 1 is the finest", 4, 1, None, place="range"
+        "From", "First exaggerated band; 1 is the finest", 3, 1, None, place="range"
     )
     last: int = integer("To", "Last exaggerated band; 1 is the finest", 5, 1, None, place="range")
     amount: float = number(
         "Exaggerate by",
-        "How much is added to these bands: 1 doubles them", 1, None, None, soft_least=-1,
+        "How much is added to these bands: 1 doubles them", 1.5, None, None, soft_least=-1,
         soft_most=4, place="amount"
     )  # fmt: skip
     smooth: int = integer(
         "Smooth",
         "So many of the finest bands are removed; 0 keeps the skin", 1, 0, None, place="amount"
     )  # fmt: skip
+
+    def of_bands(self) -> Settings:
+        """What the bands are made by."""
+        keep_limbs = in_force(self)["keep_limbs"]
+        return Settings(self.method, self.bands, self.steps, keep_limbs=keep_limbs)
 
 
 CaricatureChoices = choices_of(CaricatureSettings, "method", "range", "amount")
@@ -77,7 +90,7 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
         if self.smooth >= self.bands:
             raise Refusal(f"smoothing {self.smooth} of {self.bands} bands leaves none")
         return read_each(
-            bpy.context, lambda obj: Pose(Seen.of(obj), *prepare(obj, self._settings()))
+            bpy.context, lambda obj: Pose(Seen.of(obj), *prepare(obj, self.settings().of_bands()))
         )
 
     def recall(self, prepared: list[Pose]) -> list[spectral_tv.Decomposition] | None:
@@ -87,7 +100,7 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
     def start(self, prepared: list[Pose]) -> Chain:
         return Chain(
             [
-                partial(spectral_tv.start_decompose, pose.surface.mesh, **pose.arguments)
+                partial(start_split, pose.surface.mesh, self.settings().of_bands(), pose.arguments)
                 for pose in prepared
             ]
         )
@@ -95,6 +108,7 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
     def write(
         self, _obj: bpy.types.Object, prepared: list[Pose], result: list[spectral_tv.Decomposition]
     ) -> str:
+        settings = self.settings().of_bands()
         values = caricature_values(self.bands, self.first, self.last, self.amount, self.smooth)
         if not any(values):
             note("the filter changes nothing: the amount is 0, and no band is smoothed")
@@ -103,15 +117,12 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
         with whole(*there):
             for obj, pose, split in zip(objects, prepared, result, strict=True):
                 if obj is not None:
-                    add_bands(obj, self._settings(), pose.surface, pose.arguments, split)
+                    add_bands(obj, settings, pose.surface, pose.arguments, split)
         for obj in there:
             with about(obj.name):
                 set_values(obj, values)
         done = f"{self.bands} bands of {self.method} exaggerated alike in {len(there)} meshes"
         return done + skipped
-
-    def _settings(self) -> Settings:
-        return Settings(method=self.method, bands=self.bands, steps=self.steps)
 
 
 class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
@@ -123,6 +134,5 @@ class SPECTRAL_TV_PT_caricature(MeshPanel, bpy.types.Panel):
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_caricature
-        settings = Settings(method=choices.method, steps=choices.steps)
-        draw_selection(layout, context, "filter", settings.needs)
+        draw_selection(layout, context, "filter", choices.settings().of_bands().needs)
         draw_button(layout, SPECTRAL_TV_OT_caricature, "OUTLINER_OB_ARMATURE", choices)

@@ -7,14 +7,14 @@ import bpy
 import spectral_tv
 from bpy.props import BoolProperty
 
-from ..job.jobs import Seen
+from ..job.jobs import Chain, Seen
 from ..job.operator import JobOperator
 from ..scene import applied
 from ..scene.notes import note
 from ..scene.objects import Refusal, distinct_meshes
 from ..scene.surface import Surface
 from ..scene.whole import whole
-from .bands import add_bands, prepare_together, recall
+from .bands import add_bands, prepare_together, recall, start_split
 from .properties import DecompositionChoices
 
 
@@ -48,8 +48,8 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
     def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
         return recall(prepared.surfaces[0], prepared.arguments)
 
-    def start(self, prepared: Prepared) -> spectral_tv.Job:
-        return spectral_tv.start_decompose(prepared.surfaces[0].mesh, **prepared.arguments)
+    def start(self, prepared: Prepared) -> spectral_tv.Job | Chain:
+        return start_split(prepared.surfaces[0].mesh, self.settings(), prepared.arguments)
 
     def write(
         self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition

@@ -175,8 +175,9 @@ def _triangles(mesh: bpy.types.Mesh) -> int:
 
 
 def _sliders(mesh: bpy.types.Mesh) -> tuple:
-    """What of the keys is changed by turning and pressing something beside a slider."""
-    return tuple((key.name, key.value, key.mute) for key in keys_of(mesh).values())
+    """What is changed by turning a slider of the panel, or by pressing something beside it."""
+    keys = tuple((key.name, key.value, key.mute) for key in keys_of(mesh).values())
+    return mesh.spectral_tv.decomposition.settings, keys
 
 
 def _question(obj: bpy.types.Object) -> tuple:

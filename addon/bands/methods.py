@@ -14,6 +14,8 @@ class Method:
     name: str
     label: str
     text: str
+    # How much of limbs its bands leave where nothing else is asked for.
+    keep_limbs: float = 0.0
 
     @property
     def package(self) -> str:
@@ -53,7 +55,7 @@ class Method:
 
 OF_THE_PAPER = (
     Method("M1", "Shape Detail",
-           "Surface detail of every size, the body undistorted (M1, shape TV)"),
+           "Surface detail of every size, the body undistorted (M1, shape TV)", keep_limbs=1.0),
     Method("M2", "Limbs and Head", "Limbs, head, ears, tail (M2, conformalized 3-Laplace)"),
     Method("M3", "Edge-Keeping Detail",
            "Detail with crisp edges: plates, folds (M3, directional TV)"),

@@ -2,9 +2,10 @@
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ..job.operator import ChangeOperator
+from ..options.declaring import OWN, options_of
 from ..options.properties import property_of
 from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
@@ -13,8 +14,10 @@ from . import filter_curve
 from .bands import cut_again, flows, set_values
 from .filtering import FilterSettings
 from .gains import PRESETS, curve_values, idle_reason, preset_values
+from .settings import Settings
 from .solo import toggle_solo
 
+LIMBS = options_of(Settings)["keep_limbs"]
 # Bands whose ends differ by less, relative to them, are of the same sizes.
 SAME_SCALES = 0.01
 
@@ -187,6 +190,10 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
     changes_keys = True
 
     bands: IntProperty(name="Bands", default=5, min=1, max=32)
+    keep_limbs: FloatProperty(
+        name=LIMBS.label, description=f"{LIMBS.text}. −1 leaves it as it is", default=OWN, min=OWN,
+        max=LIMBS.most, soft_max=LIMBS.soft_most, options={"SKIP_SAVE"}
+    )  # fmt: skip
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
@@ -196,4 +203,4 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
         return reason
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        cut_again(obj, self.bands)
+        cut_again(obj, self.bands, None if self.keep_limbs < 0 else self.keep_limbs)

@@ -10,15 +10,35 @@ import spectral_tv
 from spectral_tv import DEFAULTS
 
 from ..job.estimates import Needs, total
-from ..options.declaring import Only, choice, integer, keywords, name_of, number, share, switch
+from ..options.declaring import (
+    Only,
+    choice,
+    in_force,
+    integer,
+    keywords,
+    name_of,
+    number,
+    share,
+    switch,
+)
 from .gains import too_few_steps
 from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
 
+# With icons and numbers, as files keep the numbers of old.
 BASES = (
-    ("FLOW", "Smoothed Shape", "The object itself, smoothed until its limbs are gone"),
-    ("FLAT", "Flat", "The object flattened along its local Z axis: for reliefs and terrain"),
-    ("KEY", "Shape Key", "One of the object's shape keys"),
-)
+    ("LIMBS", "Limbs Kept", "The object itself, smoothed, but with limbs as thick as they are",
+     "", 3),
+    ("FLOW", "Smoothed Shape", "The object itself, smoothed until its limbs are gone (the paper's "
+     "base)", "", 0),
+    ("FLAT", "Flat", "The object flattened along its local Z axis: for reliefs and terrain", "", 1),
+    ("KEY", "Shape Key", "One of the object's shape keys", "", 2),
+)  # fmt: skip
+SMOOTHED = ("LIMBS", "FLOW")
+DISPLACEMENTS = (
+    ("VECTOR", "Vectors", "Displacements as they are: nothing is scratched or turned over"),
+    ("SCALAR", "Lengths", "Signed lengths of displacements, whose directions stay (the paper's "
+     "way)"),
+)  # fmt: skip
 METRICS = (
     ("SURFACE", "Surface", "Along the object itself: on images, adaptive spectral TV"),
     ("BASE", "Base", "Along the base: with the flat one, the spectral TV of images"),
@@ -32,6 +52,8 @@ SHAPES = (
         "All that is seen, in a new object without modifiers; this one is hidden",
     ),
 )
+# What options are in effect where a record says nothing of them.
+BEFORE = {"soft_edges": 0.0, "keep_limbs": 0.0, "base": "FLOW", "displacement": "SCALAR"}
 # Where an accuracy is asked for: steps of the first flow. The next has twice as many.
 FEWEST_STEPS = 12
 # Corners of open edges that are this near are meant to be one: percent of the object's size. It is
@@ -73,6 +95,18 @@ class Settings:
         instead_of="steps", applies=taking("accuracy", "takes no time steps"),
         keyword="accuracy", metavar="E", refused=True
     )  # fmt: skip
+    soft_edges: float = number(
+        "Soft Edges",
+        "How soft the edges of bands are. 0 is the paper's total variation, by which features "
+        "vanish at once and leave hems", 0.3, 0, 1, digits=2, applies=taking("soft_edges"),
+        place="method", keyword="soft_edges", refused=True
+    )  # fmt: skip
+    keep_limbs: float = number(
+        "Keep Limbs",
+        "How much of limbs stays whatever bands do: 1 suits most characters, 2 keeps more, 0.5 "
+        "exaggerates more, 0 keeps nothing (the paper's bands)", None, 0, 100, soft_most=4,
+        digits=2, own=lambda asked: asked.by.keep_limbs, applies=WITH_BANDS
+    )  # fmt: skip
     eigenpairs: int = integer(
         "Eigenfunctions",
         "Number of eigenfunctions, the coarsest. More of them hold finer detail; the time grows "
@@ -93,7 +127,7 @@ class Settings:
     )  # fmt: skip
     base: str = choice(
         "Base",
-        "The smooth shape from which detail is measured", BASES, other=("KEY", "base_key"),
+        "The smooth shape from which detail is measured", BASES, "LIMBS", other=("KEY", "base_key"),
         applies=WITH_BASE, place="base", refused=True
     )  # fmt: skip
     base_amount: float = share(
@@ -101,12 +135,16 @@ class Settings:
         "Size of the features that vanish from the base, relative to the object's size", 0, 0, 50,
         soft_least=0.1, digits=1,
         switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
-        own=lambda _asked: math.sqrt(spectral_tv.default_base_time()),
-        applies=(WITH_BASE, Only("base", ["FLOW"])), place="base", refused=True
+        own=lambda asked: math.sqrt(spectral_tv.default_base_time(asked.own_base())),
+        applies=(WITH_BASE, Only("base", SMOOTHED)), place="base", refused=True
     )  # fmt: skip
     base_key: str = name_of(
         "Shape Key", "The shape key that is the base", search="key_blocks",
         applies=(WITH_BASE, Only("base", ["KEY"])), place="base", argument=""
+    )  # fmt: skip
+    displacement: str = choice(
+        "Detail", "What of the displacement from the base flows", DISPLACEMENTS,
+        applies=taking("displacement"), place="base", keyword="displacement", refused=True
     )  # fmt: skip
     metric: str = choice(
         "Distances",
@@ -138,7 +176,8 @@ class Settings:
     def of_text(cls, text: str) -> "Settings":
         """The settings that a text keeps, be it of a version that had fewer or more."""
         known = {field.name for field in fields(cls)}
-        return cls(**{name: value for name, value in json.loads(text).items() if name in known})
+        kept = {**BEFORE, **json.loads(text)}
+        return cls(**{name: value for name, value in kept.items() if name in known})
 
     @property
     def by(self) -> Method:
@@ -159,6 +198,11 @@ class Settings:
     def is_adaptive(self) -> bool:
         """Whether the accuracy decides on the steps."""
         return bool(self.accuracy) and self.by.takes_steps
+
+    @property
+    def limbs_kept(self) -> float:
+        """How much of limbs its bands leave."""
+        return in_force(self).get("keep_limbs", 0.0)
 
     def complaint(self) -> str | None:
         """What is wrong with the numbers of bands and steps; None if nothing is."""
@@ -184,11 +228,20 @@ class Settings:
         arguments: dict[str, Any] = {"method": self.by.package}
         if self.by.p is not None:
             arguments["p"] = self.by.p
-        if self.by.takes("base") and base is not None:
+        if not self.by.takes("base"):
+            return arguments
+        if base is not None:
             arguments["base"] = base
-        elif self.by.takes("base") and self.base_amount and mesh is not None:
+            return arguments
+        if self.own_base() is not None:
+            arguments["base"] = self.own_base()
+        if self.base_amount and mesh is not None:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
+
+    def own_base(self) -> str | None:
+        """What the package calls the base that it makes; None if it needs no name."""
+        return self.base.lower() if self.base == "LIMBS" else None
 
     def needs(self, *counts: int) -> Needs:
         """What decomposing meshes of so many vertices takes."""
@@ -205,4 +258,4 @@ class Settings:
 
     def own_scales(self) -> tuple[float, float]:
         """Those of the method, relative to the area."""
-        return spectral_tv.default_scales(self.by.package, self.eigenpairs)
+        return spectral_tv.default_scales(self.by.package, self.eigenpairs, self.own_base())

@@ -4,7 +4,6 @@ import argparse
 from collections.abc import Sequence
 
 import bpy
-import spectral_tv
 
 from ..command_line.formats import BLEND, FORMATS
 from ..command_line.frames import all_or_frames, frames_of, treat_frames
@@ -15,7 +14,7 @@ from ..options.arguments import add_arguments as add_options
 from ..options.arguments import complaint
 from ..scene import applied
 from ..scene.notes import note
-from .bands import add_bands, prepare_together, set_values
+from .bands import add_bands, prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
@@ -107,7 +106,7 @@ All other formats hold the filtered shape."""
             note(KEEPS_ALL)
         surfaces, arguments = prepare_together(objects, asked)
         with progress(label) as show:
-            split = spectral_tv.decompose(surfaces[0].mesh, **arguments, progress=show)
+            split = start_split(surfaces[0].mesh, asked, arguments).result(show)
         for obj, surface in zip(objects, surfaces, strict=True):
             add_bands(obj, asked, surface, arguments, split)
             set_values(obj, values)

@@ -21,17 +21,16 @@ class Chain:
     Without a last one the results themselves are the result.
     """
 
-    # Of the whole, what the last one takes.
-    LAST = 0.05
-
     def __init__(
         self,
         starts: list[Callable[[], spectral_tv.Job]],
         last: Callable[[list[Any]], spectral_tv.Job] | None = None,
+        last_share: float = 0.05,
     ) -> None:
-        """Start the first of ``starts``."""
+        """Start the first of ``starts``; the last one takes ``last_share`` of the whole."""
         self._starts = starts
         self._last = last
+        self._last_share = last_share
         self._results: list[Any] = []
         self._is_last = False
         self._job = starts[0]()
@@ -40,11 +39,11 @@ class Chain:
     def progress(self) -> float:
         """The fraction of the work done, in [0, 1]."""
         if self._is_last:
-            return 1 - self.LAST * (1 - self._job.progress)
+            return 1 - self._last_share * (1 - self._job.progress)
         before = len(self._results)
         if before == len(self._starts):
             return 1.0
-        share = 1.0 if self._last is None else 1 - self.LAST
+        share = 1.0 if self._last is None else 1 - self._last_share
         return share * (before + self._job.progress) / len(self._starts)
 
     @property

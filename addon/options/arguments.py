@@ -23,7 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser, kind: type, *, of_object: boo
         if option.kind == "switch":
             given["action"] = "store_true"
         else:
-            given["default"] = None if of_object or option.refused else _written(option)
+            has_none = of_object or option.refused or option.is_own(option.default)
+            given["default"] = None if has_none else _written(option)
         told = _help(kind, option, "the object's own, at first " if of_object else "")
         parser.add_argument(_flag(name, option), help=told.replace("%", "%%"), **given)
 
@@ -40,7 +41,8 @@ def _help(kind: type, option: Option, whose: str) -> str:
         if is_argument and len(condition.values) <= FEW:
             told += f"; with {_condition(kind, condition)}"
     if option.kind in ("integer", "number", "choice"):
-        told += f"; default {whose}{_written(option)}"
+        usual = "what suits the method" if option.is_own(option.default) else _written(option)
+        told += f"; default {whose}{usual}"
     return told
 
 

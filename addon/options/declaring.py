@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 OPTION = "option"
+# What stands for the number that suits the other options.
+OWN = -1.0
 
 
 class Only:
@@ -51,7 +53,8 @@ class Option:
     # Of names: the collection that has them, or what lists them.
     search: str | Callable[..., list[str]] | None = None
     # Of shares: the switch that has them count, with its label and text; what settings show while
-    # it is off; and the option that is of no account while it is on.
+    # it is off; and the option that is of no account while it is on. Of numbers that are negative:
+    # what they stand for.
     switch: tuple[str, str, str] = ("", "", "")
     own: Callable[[Any], float] | None = None
     instead_of: str = ""
@@ -66,6 +69,10 @@ class Option:
     def is_in_force(self, settings: Any) -> bool:
         """Whether it applies."""
         return all(condition.holds(settings) for condition in self.applies)
+
+    def is_own(self, value: Any) -> bool:
+        """Whether a value stands for the number that suits the other options."""
+        return self.kind == "number" and self.own is not None and value < 0
 
     @property
     def range(self) -> tuple[Any, Any]:
@@ -91,9 +98,18 @@ def integer(label: str, text: str, default: int, least: int, most: int | None, *
 
 
 def number(
-    label: str, text: str, default: float, least: float | None, most: float | None, **more: Any
+    label: str,
+    text: str,
+    default: float | None,
+    least: float | None,
+    most: float | None,
+    **more: Any,
 ) -> Any:
-    """A number, in a ``unit`` of Blender's if one is given."""
+    """A number, in a ``unit`` of Blender's if one is given.
+
+    Without a default it is OWN, which stands for what ``own`` says.
+    """
+    default = OWN if default is None else default
     return _option("number", label, text, default, least=least, most=most, **more)
 
 
@@ -150,12 +166,13 @@ def is_replaced(settings: Any, name: str) -> bool:
 
 def in_force(settings: Any) -> dict[str, Any]:
     """The options that count, with their values; sizes of 0 and empty names are not among them."""
-    found = {}
+    found: dict[str, Any] = {}
     for name, option in options_of(type(settings)).items():
         value = getattr(settings, name)
         is_none = option.kind in ("share", "name") and not value
         if option.is_in_force(settings) and not is_none and not is_replaced(settings, name):
-            found[name] = value
+            suiting = option.own if option.is_own(value) else None
+            found[name] = value if suiting is None else suiting(settings)
     return found
 
 

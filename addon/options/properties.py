@@ -5,10 +5,11 @@ from collections.abc import Iterator
 from typing import Any, ClassVar
 
 import bpy
+import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import rows
-from .declaring import Option, options_of
+from .declaring import OWN, Option, options_of
 
 KINDS = {
     "integer": IntProperty,
@@ -20,7 +21,8 @@ KINDS = {
     "name": StringProperty,
 }
 PERCENT = 100
-OWN = ". 0 is what suits the method"
+# Which value stands for what suits the method.
+OWN_TEXT = {"share": ". 0 is what suits the method", "number": ". −1 is what suits the method"}
 
 
 class Choices:
@@ -64,7 +66,8 @@ def choices_of(kind: type, *columns: str, **more: Any) -> type[Choices]:
 def sidebar_of(kind: type) -> type[Choices]:
     """The same for the sidebar: with ``shown_…``, what a share that is 0 stands for."""
     options = options_of(kind).items()
-    shown = {f"shown_{name}": _shown(name, option) for name, option in options if option.own}
+    shared = [(name, each) for name, each in options if each.own and each.kind == "share"]
+    shown = {f"shown_{name}": _shown(name, option) for name, option in shared}
     return choices_of(kind, **shown)
 
 
@@ -92,9 +95,9 @@ def _declared(kind: type) -> Iterator[tuple[str, Any]]:
 def _property(option: Option) -> Any:
     given = {
         "name": option.label,
-        "description": option.text + (OWN if option.own else ""),
+        "description": option.text + (OWN_TEXT[option.kind] if option.own else ""),
         "default": set(option.default) if option.kind == "several" else option.default,
-        "min": option.least,
+        "min": OWN if option.is_own(option.default) else option.least,
         "max": option.most,
         "soft_min": option.soft_least,
         "soft_max": option.soft_most,
@@ -134,6 +137,8 @@ def _value(choices: Any, name: str, option: Option) -> Any:
     value = getattr(choices, name)
     if option.kind == "several":
         return frozenset(value)
+    if option.kind == "number":  # of single precision: 0.3, and not 0.30000001
+        return float(str(np.float32(value)))
     if option.kind != "share":
         return value
     is_on = not option.switch[0] or getattr(choices, option.switch[0])

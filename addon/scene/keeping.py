@@ -12,7 +12,7 @@ import bpy
 from .animation import animation_of
 from .channels import insert_keyframe, key_path
 from .mix import key_displacement, keys_of
-from .shape_keys import add_displacements, move_key, remove_key
+from .shape_keys import add_displacements, move_key, remove_key, set_displacement
 
 Band = bpy.types.ShapeKey
 
@@ -24,7 +24,8 @@ class ShapeKeys:
     written = "KEY"
     # All that is kept there of a mesh, bands or not, by name.
     all = staticmethod(keys_of)
-    add, remove, move = map(staticmethod, (add_displacements, remove_key, move_key))
+    add, set = staticmethod(add_displacements), staticmethod(set_displacement)
+    remove, move = staticmethod(remove_key), staticmethod(move_key)
     displacement, path = staticmethod(key_displacement), staticmethod(key_path)
     keyframe, animation_of = staticmethod(insert_keyframe), staticmethod(animation_of)
 

@@ -21,6 +21,9 @@ class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
     given: StringProperty(name="Given", description="The name that it was given")
     start: FloatProperty(name="Start", description="Time at which the band starts, length²")
     end: FloatProperty(name="End", description="Time at which the band ends, length²")
+    is_sculpted: BoolProperty(
+        name="Sculpted", description="It was when the others were last cut anew"
+    )
     was_muted: BoolProperty(
         name="Was Muted", description="Before another band was soloed",
         override={"LIBRARY_OVERRIDABLE"}

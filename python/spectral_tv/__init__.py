@@ -24,6 +24,7 @@ from spectral_tv._copies import prepare
 from spectral_tv._cosegment import cosegment, start_cosegment
 from spectral_tv._decompose import (
     decompose,
+    default_base_time,
     default_scales,
     estimate,
     graded_times,
@@ -50,7 +51,6 @@ from spectral_tv._native import (
     MeshError,
     MeshWarning,
     __version__,
-    default_base_time,
     set_threads,
     threads,
     total_variation,
@@ -65,6 +65,7 @@ from spectral_tv._results import (
     Folds,
     SafeDisplacement,
 )
+from spectral_tv._thickness import start_thickness, thickness
 from spectral_tv._threads import use_threads
 
 prepare()
@@ -117,6 +118,8 @@ __all__ = [
     "start_flow",
     "start_safe_displacement",
     "start_self_intersections",
+    "start_thickness",
+    "thickness",
     "threads",
     "total_variation",
     "use_threads",

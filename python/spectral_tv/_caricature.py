@@ -1,13 +1,14 @@
 """Exaggerating several poses alike (caricature)."""
 
 from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_tv import _native
 from spectral_tv._native import Job, Mesh
-from spectral_tv._options import STEPS, Method, Progress
+from spectral_tv._options import STEPS, Method, Progress, ShapeOptions
 from spectral_tv._work import starting, waiting
 
 
@@ -21,6 +22,7 @@ def caricature(
     steps: int = STEPS,
     keep_limbs: float = 0.0,
     progress: Progress | None = None,
+    **options: Unpack[ShapeOptions],
 ) -> Job[list[NDArray[np.float64]]]:
     """Exaggerate one band of several shapes alike, and remove the finest detail (Brokman et al.
     2024, the figures of the armadillo).
@@ -44,6 +46,7 @@ def caricature(
     keep_limbs : float
         As in `Decomposition.bands`; 0: off.
     {progress}
+    {options}
 
     Returns
     -------
@@ -55,8 +58,8 @@ def caricature(
     MeshError
         If an argument is out of range.
     """
-    options = {"method": method, "steps": steps}
-    return _native.start_caricature(meshes, band, gain, smooth, keep_limbs, options)
+    asked = {"method": method, "steps": steps, **options}
+    return _native.start_caricature(meshes, band, gain, smooth, keep_limbs, asked)
 
 
 start_caricature = starting(caricature)

@@ -1,6 +1,6 @@
 """Splitting a shape into bands."""
 
-from typing import Unpack
+from typing import Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -97,7 +97,32 @@ def estimate(
     return _native.estimate(mesh, asked)
 
 
-def default_scales(method: Method, eigenpairs: int = DEFAULTS["eigenpairs"]) -> tuple[float, float]:
+def default_base_time(base: Literal["limbs"] | None = None) -> float:
+    """How far "m3" and "displacement" smooth their base where `base_time` is not given.
+
+    Parameters
+    ----------
+    base : "limbs", optional
+        As `decompose` takes it.
+
+    Returns
+    -------
+    float
+        t/area: features of the size ℓ vanish from the base at a time of the order of ℓ².
+
+    Raises
+    ------
+    MeshError
+        If there is no such base.
+    """
+    return _native.default_base_time({"method": "m3", "base": base})
+
+
+def default_scales(
+    method: Method,
+    eigenpairs: int = DEFAULTS["eigenpairs"],
+    base: Literal["limbs"] | None = None,
+) -> tuple[float, float]:
     """The default scales of a method relative to the area: the time from which steps are spaced
     in log t, and the last time.
 
@@ -107,6 +132,8 @@ def default_scales(method: Method, eigenpairs: int = DEFAULTS["eigenpairs"]) -> 
         As `decompose` takes it.
     eigenpairs : int
         Of a method that takes it: its finest scale is that of the last.
+    base : "limbs", optional
+        Of a method that takes it, as `decompose` does.
 
     Returns
     -------
@@ -116,10 +143,11 @@ def default_scales(method: Method, eigenpairs: int = DEFAULTS["eigenpairs"]) -> 
     Raises
     ------
     MeshError
-        If there is no such method.
+        If there is no such method or base.
     """
     facts = METHODS.get(method)
-    own = {"eigenpairs": eigenpairs} if facts and "eigenpairs" in facts.options else {}
+    given = {"eigenpairs": eigenpairs, "base": base}
+    own = {name: value for name, value in given.items() if facts and name in facts.options}
     return _native.default_scales({"method": method, **own})
 
 

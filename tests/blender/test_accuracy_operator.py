@@ -48,7 +48,7 @@ def measured(obj, steps, bands):
     obj.data.calc_loop_triangles()
     triangles = [list(triangle.vertices) for triangle in obj.data.loop_triangles]
     mesh = spectral_tv.Mesh([list(vertex.co) for vertex in obj.data.vertices], triangles)
-    return spectral_tv.accuracy(mesh, "m1", steps, bands)
+    return spectral_tv.accuracy(mesh, "m1", steps, bands, keep_limbs=1, soft_edges=0.3)
 
 
 def test_attributes_are_what_the_package_measures(sphere):

@@ -43,7 +43,7 @@ def banded():
     mesh.attributes.new("Own", "FLOAT", "POINT").data[3].value = 2
     mesh.color_attributes.new("Paint", "BYTE_COLOR", "CORNER")
     mesh.materials.append(bpy.data.materials.new("Skin"))
-    bpy.ops.spectral_tv.decompose(bands=2, steps=8)
+    bpy.ops.spectral_tv.decompose(bands=2, steps=8, keep_limbs=0, soft_edges=0)
     obj.data.shape_keys.key_blocks["M1 Band 2"].value = 1
     obj.data.shape_keys.key_blocks["M1 Band 2"].vertex_group = "Cap"
     return obj

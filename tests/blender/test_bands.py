@@ -488,10 +488,11 @@ def test_ticking_scales_or_smoothing_changes_nothing(method):
     choices = bpy.context.scene.spectral_tv
     choices.method = method
     before = choices.settings()
-    own = spectral_tv.default_scales(method.lower().partition("_")[0], choices.eigenpairs)
+    name = method.lower().partition("_")[0]
+    own = spectral_tv.default_scales(name, choices.eigenpairs, "limbs")
     for _ in range(2):
         shown = choices.shown_finest, choices.shown_largest, choices.shown_base_amount
-        expected = [100 * np.sqrt(area) for area in (*own, spectral_tv.default_base_time())]
+        expected = [100 * np.sqrt(area) for area in (*own, spectral_tv.default_base_time("limbs"))]
         np.testing.assert_allclose(shown, expected, rtol=1e-6)
         assert choices.settings() == before
         choices.use_scales = choices.use_base_amount = True

@@ -47,7 +47,7 @@ def test_all_poses_get_the_same_filter_of_their_own_bands(poses):
     assert result == {"FINISHED"}
     for obj in poses:
         assert [key.name for key in obj.data.shape_keys.key_blocks[1:]] == [
-            f"M3 Band {band}" for band in range(1, 6)
+            f"M1 Band {band}" for band in range(1, 6)
         ]
         np.testing.assert_allclose(values(obj), [-1, 0, 0, 1.5, 1.5])
     ball, large, bent = (shown(obj) for obj in poses)
@@ -59,9 +59,10 @@ def test_all_poses_get_the_same_filter_of_their_own_bands(poses):
 def test_it_is_the_package_s_caricature(poses):
     bpy.ops.spectral_tv.caricature(bands=3, steps=16, first=3, last=3, amount=1, smooth=1)
     meshes = [spectral_tv.Mesh(np.array([v.co for v in obj.data.vertices]), FACES) for obj in poses]
-    split = spectral_tv.decompose(meshes[0], "m3", steps=16)
+    split = spectral_tv.decompose(meshes[0], steps=16)
     edges = split.band_edges(3) / meshes[0].area
-    found = spectral_tv.caricature(meshes, (edges[2], 1.0), gain=2, smooth=edges[1], steps=16)
+    how = {"method": "m1", "steps": 16, "keep_limbs": 0.5, "soft_edges": 0.3}
+    found = spectral_tv.caricature(meshes, (edges[2], 1.0), gain=2, smooth=edges[1], **how)
     for obj, shape in zip(poses, found, strict=True):
         np.testing.assert_allclose(shown(obj), shape, atol=1e-4 * np.ptp(shape))
 
@@ -72,7 +73,7 @@ def test_amplified_bands_stand_out_and_smoothed_ones_are_gone(poses):
     obj = poses[0]
     keys = obj.data.shape_keys.key_blocks
     basis, finest = (
-        np.array([point.co for point in keys[name].data]) for name in ("Basis", "M3 Band 1")
+        np.array([point.co for point in keys[name].data]) for name in ("Basis", "M1 Band 1")
     )
     np.testing.assert_allclose(shown(obj), basis - (finest - basis), atol=1e-5)
 

@@ -91,7 +91,10 @@ def test_what_cannot_be_decomposed_names_object_and_reason(monkey, tmp_path: Pat
         (["decompose", "IN", "-o", "x.ply", "--finest", "9", "--largest", "5"], "--largest"),
         (["decompose", "IN", "-o", "x.ply", "--base", "flat"], "go with --method m3"),
         (["decompose", "IN", "-o", "x.ply", "--metric", "base"], "goes with --method m3"),
-        (["decompose", "IN", "-o", "x.ply", *FLAT, "--base-amount", "9"], "goes with --base flow"),
+        (
+            ["decompose", "IN", "-o", "x.ply", *FLAT, "--base-amount", "9"],
+            "goes with --base limbs or flow",
+        ),
         (["decompose", "IN", "-o", "x.doc"], "writes no .doc"),
         (["decompose", "IN", "-o", "nowhere/x.ply"], "no folder nowhere"),
         (["decompose", "IN", "-o", "x.ply", "--format", "stl"], "--format goes with"),

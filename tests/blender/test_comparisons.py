@@ -44,7 +44,7 @@ def expected(obj, method, count):
         "NAIVE": {"method": "naive", "steps": 8},
         "HEAT": {"method": "heat", "steps": 8},
         "LB": {"method": "lb", "steps": 8, "eigenpairs": 40},
-        "DISPLACEMENT": {"method": "displacement"},
+        "DISPLACEMENT": {"method": "displacement", "base": "limbs"},
         "M2_P2": {"method": "m2", "p": 2, "steps": 8},
         "M2_P1": {"method": "m2", "p": 1, "steps": 8},
     }[method]

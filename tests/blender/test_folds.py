@@ -17,7 +17,7 @@ from shapes import grid
 EXTENSION = "bl_ext.user_default.spectral_tv.bands"
 live_guard = import_module(f"{EXTENSION}.live_guard")
 STRETCH = import_module(f"{EXTENSION}.guard").STRETCH
-SCALES = {"use_scales": True, "finest": 2, "largest": 30}
+SCALES = {"use_scales": True, "finest": 2, "largest": 30, "keep_limbs": 0, "soft_edges": 0}
 # So much of these bands folds and stretches faces.
 WILD = {"M1 Band 2": 3.0, "M1 Band 3": 3.0}
 
@@ -189,6 +189,19 @@ def test_an_uneven_scale_is_that_of_the_world(sheet):
     shape = points(key(sheet, "Basis")) * scale
     folded, stretched = counted(sheet, mix * scale, shape)
     assert line() == text(folded, stretched) != even
+
+
+def test_the_line_follows_keep_limbs(sheet):
+    turn(sheet)
+    seen = {line()}
+    for amount in (0.5, 2.0):
+        sheet.data.spectral_tv_limbs.keep = amount
+        bpy.context.view_layer.update()
+        mix = sum(value * moved(sheet, name) for name, value in WILD.items())
+        folded, stretched = counted(sheet, mix)
+        assert line() == (text(folded, stretched) if folded else f"{stretched} faces stretch")
+        seen.add(line())
+    assert len(seen) == 3
 
 
 def test_of_a_face_of_several_triangles_one_face_is_counted(sheet):
@@ -449,7 +462,20 @@ def file(tmp_path: Path) -> Path:
     empty()
 
 
-GAINS = ["--gain", "2=4", "--gain", "3=4", "--finest", "2", "--largest", "30"]
+GAINS = [
+    "--gain",
+    "2=4",
+    "--gain",
+    "3=4",
+    "--finest",
+    "2",
+    "--largest",
+    "30",
+    "--keep-limbs",
+    "0",
+    "--soft-edges",
+    "0",
+]
 
 
 def test_the_command_line_tells_of_folds(file, tmp_path: Path, capfd):

@@ -24,7 +24,7 @@ def turned_over(mesh: spectral_tv.Mesh, shape: np.ndarray) -> int:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("keep_limbs", [0.3, 2.0, 1e6])
+@pytest.mark.parametrize("keep_limbs", [1e-6, 0.5, 3.0])
 def test_bands_and_what_they_leave_add_up(method, keep_limbs):
     split = spectral_tv.decompose(BODY, method, steps=12)
     edges = split.band_edges(4)
@@ -39,7 +39,7 @@ def test_bands_and_what_they_leave_add_up(method, keep_limbs):
 def test_bands_of_neighbouring_edges_are_parts_of_those_of_fewer():
     split = spectral_tv.decompose(BODY, steps=16)
     edges = split.band_edges(5)
-    fine, coarse = split.bands(edges, 2.0), split.bands(edges[[0, 2, 5]], 2.0)
+    fine, coarse = split.bands(edges, 0.5), split.bands(edges[[0, 2, 5]], 0.5)
     assert np.allclose(fine[:2].sum(0), coarse[0], atol=1e-13)
     assert np.allclose(fine[2:].sum(0), coarse[1], atol=1e-13)
 
@@ -64,14 +64,14 @@ def test_a_neck_stays_while_the_ends_are_smoothed():
         return float(np.linalg.norm(shape[neck, :2], axis=1).mean() / radius)
 
     assert left(0.0) < 0.35
-    assert left(0.5) > 0.85
-    assert left(0.5) > left(1.0) > left(4.0) > left(0.0)
+    assert left(2.0) > 0.85
+    assert left(2.0) > left(1.0) > left(0.25) > left(0.0)
 
 
 @pytest.mark.parametrize("method", ["m1", "m3"])
 def test_keeping_all_limbs_leaves_every_band_empty(method):
     split = spectral_tv.decompose(BODY, method, steps=12)
-    bands = split.bands(split.band_edges(3), 1e-9)
+    bands = split.bands(split.band_edges(3), 1e9)
     assert np.abs(bands).max() < 1e-9 * np.abs(BODY.vertices).max()
 
 
@@ -88,7 +88,7 @@ def test_a_restored_decomposition_keeps_limbs_as_well():
     split = spectral_tv.decompose(BODY, steps=8)
     restored = pickle.loads(pickle.dumps(split))
     edges = split.band_edges(3)
-    assert np.array_equal(split.bands(edges, 2.0), restored.bands(edges, 2.0))
+    assert np.array_equal(split.bands(edges, 0.5), restored.bands(edges, 0.5))
 
 
 def test_caricature_and_accuracy_know_it():

@@ -11,7 +11,7 @@ Mesh = tuple[np.ndarray, np.ndarray]
 
 
 def thickness(mesh: Mesh) -> np.ndarray:
-    return spectral_tv.Mesh(*mesh).thickness
+    return spectral_tv.thickness(spectral_tv.Mesh(*mesh))
 
 
 def two_layers(mesh: Mesh, gap: float) -> Mesh:

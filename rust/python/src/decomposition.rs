@@ -88,10 +88,10 @@ impl Decomposition {
     /// edges : (K+1,) array
     ///     Increasing times, length²; component k is in [edge_i, edge_{i+1}).
     /// keep_limbs : float
-    ///     0: bands as they are. κ > 0: at each vertex, what vanishes later than about κ r² stays in the
-    ///     residual, for the thickness r of the shape there (`Mesh.thickness`). So low-pass keeps limbs
-    ///     whole, and bands have no hems around them. 2 suits characters; 1 keeps more, 4 exaggerates
-    ///     more. Bands then overlap a little in time. The residual is the shape without all bands.
+    ///     0: bands as they are. k > 0: at each vertex, what vanishes later than about r²/k stays in the
+    ///     residual, for the `thickness` r of the shape there. So low-pass keeps limbs whole, and bands
+    ///     have no hems around them. 1 suits characters with "m1"; 2 keeps more, 0.5 exaggerates more.
+    ///     Bands then overlap a little in time. The residual is the shape without all bands.
     ///
     /// Raises
     /// ------
@@ -111,9 +111,6 @@ impl Decomposition {
         let inner = Arc::clone(&self.inner);
         let task = Task::start(move |monitor| {
             let (count, stage) = (edges.len().saturating_sub(1), monitor.whole());
-            if keep_limbs == 0.0 {
-                return arrays::stacked(count, shape, inner.bands(&edges)?, stage);
-            }
             let bands = inner.bands_keeping_limbs_with(&edges, keep_limbs, stage)?;
             arrays::stacked(count, shape, bands, stage)
         })?;
@@ -146,10 +143,7 @@ impl Decomposition {
         let task = Task::start(move |monitor| {
             let stage = monitor.whole();
             claim_functions(inner.transform(), stage)?;
-            match keep_limbs == 0.0 {
-                true => inner.filter(&gains),
-                false => inner.filter_keeping_limbs_with(&gains, keep_limbs, stage),
-            }
+            inner.filter_keeping_limbs_with(&gains, keep_limbs, stage)
         })?;
         let shape = task.wait(py, None)?;
         arrays::per_vertex(py, shape.view())

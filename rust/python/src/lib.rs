@@ -21,6 +21,7 @@ mod pickling;
 mod results;
 mod segmentation;
 mod settings;
+mod thickness;
 mod threads;
 
 use pyo3::prelude::*;
@@ -70,6 +71,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(settings::default_base_time, module)?,
         wrap_pyfunction!(settings::default_scales, module)?,
         wrap_pyfunction!(settings::graded_times, module)?,
+        wrap_pyfunction!(thickness::start_thickness, module)?,
         wrap_pyfunction!(threads::_use_threads, module)?,
         wrap_pyfunction!(threads::set_threads, module)?,
         wrap_pyfunction!(threads::threads, module)?,

@@ -11,12 +11,11 @@ use pyo3::types::PyBool;
 use spectral_tv::Named;
 use spectral_tv::memory::needs;
 use spectral_tv::mesh::{self, Broken, Repair, TriangleMesh};
-use spectral_tv::monitor::{Monitor, Stage};
-use spectral_tv::thickness::{thickness, thickness_with};
+use spectral_tv::monitor::Stage;
 
 use crate::arrays;
 use crate::error::{Failure, MeshWarning, refused};
-use crate::job::{Task, guarded};
+use crate::job::guarded;
 use crate::parameters::Number;
 use crate::pickling::{Parts, Pickled, Writer};
 use crate::results::Fields;
@@ -123,23 +122,6 @@ impl Mesh {
     #[getter]
     fn vertex_areas<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         arrays::array_of(py, self.inner.vertex_areas())
-    }
-
-    /// How thick the shape is at each vertex, (N,), length: the radius of the largest inscribed ball that
-    /// reaches it. It is measured when it is first asked for, which takes about as long as some steps of
-    /// a flow. A closed surface has the thickness of its solid. On sheets, and on closed shells of two wide
-    /// layers, balls on either side count, so that a sleeve is as thick as an arm. 0 in no triangle.
-    ///
-    /// Raises
-    /// ------
-    /// MemoryError
-    ///     If the work does not fit into what is available.
-    #[getter]
-    fn thickness<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
-        let inner = Arc::clone(&self.inner);
-        let measure = move |monitor: &Monitor| thickness_with(&inner, monitor.whole()).map(drop);
-        Task::start(measure)?.wait(py, None)?;
-        arrays::array_of(py, thickness(&self.inner)?)
     }
 
     /// For each vertex that was handed in, its index among the N vertices of the mesh, (V,) int64;

@@ -108,15 +108,10 @@ pub fn default_scales(options: &Bound<'_, PyDict>) -> Result<(f64, f64), Failure
     Ok(settings(options)?.relative_scales())
 }
 
-/// How far "m3" and "displacement" smooth their base where neither `base` nor `base_time` is given.
-///
-/// Returns
-/// -------
-/// float
-///     t/area: features of the size ℓ vanish from the base at a time of the order of ℓ².
+/// How far the flow to a base goes by default, t/area.
 #[pyfunction]
-pub fn default_base_time() -> f64 {
-    Settings::m3().base_duration(1.0)
+pub fn default_base_time(options: &Bound<'_, PyDict>) -> Result<f64, Failure> {
+    Ok(settings(options)?.base_duration(1.0))
 }
 
 /// Times from 0, evenly spaced at first and from about `finest` on in log t.

@@ -20,7 +20,6 @@ use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, graded_times};
 use crate::monitor::{Monitor, Stage};
 use crate::spectral::{SpectralTransform, ThicknessCut, even_edges};
-use crate::thickness::thickness_with;
 
 /// Share of the progress that is given to the representation.
 const REPRESENTATION_SHARE: f64 = 0.1;
@@ -39,8 +38,7 @@ pub struct AccuracyRequest {
     pub bands: usize,
     /// The refined flow has so many times the most steps.
     pub refinement: usize,
-    /// κ of the thickness cut of the bands, see [`crate::method::Decomposition::bands_keeping_limbs`];
-    /// 0: none.
+    /// How much of limbs the bands leave, see [`crate::method::Decomposition::bands_keeping_limbs`].
     pub keep_limbs: f64,
 }
 
@@ -161,13 +159,7 @@ pub fn accuracy_with(
         settings.stepping.scheme = scheme;
         run_flows(&operators, &flows, &settings, &times(count)?, stage)
     };
-    let cut = match request.keep_limbs == 0.0 {
-        true => None,
-        false => Some(ThicknessCut::new(
-            request.keep_limbs,
-            thickness_with(mesh, share)?,
-        )?),
-    };
+    let cut = ThicknessCut::new(mesh, request.keep_limbs, share)?;
     let bands = |trajectory: &Trajectory| match &cut {
         None => bands(trajectory, &edges),
         Some(cut) => cut.clone().bands(trajectory, &edges).collect(),

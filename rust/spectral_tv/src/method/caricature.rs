@@ -23,7 +23,7 @@ pub struct Exaggeration {
     pub to: f64,
     /// What the band is multiplied by.
     pub gain: f64,
-    /// κ of the thickness cut, see [`crate::method::Decomposition::bands_keeping_limbs`]; 0: none.
+    /// How much of limbs stays, see [`crate::method::Decomposition::bands_keeping_limbs`].
     pub keep_limbs: f64,
 }
 
@@ -124,10 +124,7 @@ pub fn caricature_with(
         let split = decompose_with(mesh, settings, stage)?;
         let times = split.component_times().iter();
         let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();
-        match filter.keep_limbs == 0.0 {
-            true => split.filter(&gains),
-            false => split.filter_keeping_limbs_with(&gains, filter.keep_limbs, stage),
-        }
+        split.filter_keeping_limbs_with(&gains, filter.keep_limbs, stage)
     };
     meshes.iter().enumerate().map(treat).collect()
 }

@@ -7,7 +7,6 @@ use crate::mesh::TriangleMesh;
 use crate::method::Displacement;
 use crate::monitor::{Monitor, Stage};
 use crate::spectral::{SpectralTransform, ThicknessCut};
-use crate::thickness::thickness_with;
 
 /// The spectral components of a shape, as displacements of its vertices.
 #[derive(Debug, Clone)]
@@ -147,12 +146,13 @@ impl Decomposition {
         Ok(bands.map(|band| self.displace(band)))
     }
 
-    /// The same with limbs kept: the spectrum of every vertex ends near κ r² for κ = `keep_limbs` and the
+    /// The same with limbs kept: the spectrum of every vertex ends near r²/k for k = `keep_limbs` and the
     /// thickness r of the shape there, and what is later stays in the residual. That is the shape
-    /// without the bands. 2 keeps limbs without hems and folds; more lets bands take more of them.
+    /// without the bands. 1 suits characters; more keeps more, less lets bands take more; 0 is
+    /// [`Self::bands`].
     ///
     /// # Errors
-    /// If the edges do not increase or κ is not above 0; or as [`crate::thickness::thickness`].
+    /// If the edges do not increase or k is negative; or as [`crate::thickness::thickness`].
     pub fn bands_keeping_limbs<'a>(
         &'a self,
         edges: &'a [f64],
@@ -171,8 +171,11 @@ impl Decomposition {
         keep_limbs: f64,
         stage: Stage,
     ) -> Result<impl Iterator<Item = Array2<f64>> + use<'a>> {
-        let cut = ThicknessCut::new(keep_limbs, thickness_with(&self.mesh, stage)?)?;
-        let bands = self.transform.bands_cut(edges, cut)?;
+        let bands: Box<dyn Iterator<Item = _>> =
+            match ThicknessCut::new(&self.mesh, keep_limbs, stage)? {
+                None => Box::new(self.transform.bands(edges)?),
+                Some(cut) => Box::new(self.transform.bands_cut(edges, cut)?),
+            };
         Ok(bands.map(|band| self.displace(band)))
     }
 
@@ -187,8 +190,7 @@ impl Decomposition {
     /// The same with limbs kept, as [`Self::bands_keeping_limbs`] does.
     ///
     /// # Errors
-    /// If `gains` are not N − 1 finite values or κ is not above 0; or as
-    /// [`crate::thickness::thickness`].
+    /// If `gains` are not N − 1 finite values or k is negative; or as [`crate::thickness::thickness`].
     pub fn filter_keeping_limbs(&self, gains: &[f64], keep_limbs: f64) -> Result<Array2<f64>> {
         self.filter_keeping_limbs_with(gains, keep_limbs, Monitor::new().whole())
     }
@@ -203,8 +205,11 @@ impl Decomposition {
         keep_limbs: f64,
         stage: Stage,
     ) -> Result<Array2<f64>> {
-        let cut = ThicknessCut::new(keep_limbs, thickness_with(&self.mesh, stage)?)?;
-        Ok(self.shape(self.transform.filter_cut(gains, &cut)?))
+        let filtered = match ThicknessCut::new(&self.mesh, keep_limbs, stage)? {
+            None => self.transform.filter(gains)?,
+            Some(cut) => self.transform.filter_cut(gains, &cut)?,
+        };
+        Ok(self.shape(filtered))
     }
 
     fn displace(&self, values: Array2<f64>) -> Array2<f64> {

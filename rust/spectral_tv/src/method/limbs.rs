@@ -11,13 +11,12 @@ use crate::monitor::Stage;
 use crate::operators::positions;
 use crate::solver::Solver;
 use crate::spectral::ThicknessCut;
-use crate::thickness::thickness_with;
 
 /// Steps of the flow.
 pub(super) const STEPS: usize = 16;
 /// How soft its edges are.
 const SOFT_EDGES: f64 = 0.3;
-/// κ of the thickness cut.
+/// How much of limbs stays.
 const KEEP_LIMBS: f64 = 1.0;
 /// Share of the progress that is given to the flow.
 const FLOW_SHARE: f64 = 0.8;
@@ -45,7 +44,7 @@ pub(super) fn keeping_limbs(
     };
     let share = stage.stage(0.0, FLOW_SHARE);
     let trajectory = stepping.run_with(operators, &law, shape.clone(), &times, share)?;
-    let thickness = thickness_with(mesh, stage.stage(FLOW_SHARE, 1.0))?;
-    let cut = ThicknessCut::new(KEEP_LIMBS, thickness)?;
-    Ok(shape - cut.before(&trajectory, duration))
+    let cut = ThicknessCut::new(mesh, KEEP_LIMBS, stage.stage(FLOW_SHARE, 1.0))?;
+    let removed = cut.map(|cut| cut.before(&trajectory, duration));
+    Ok(removed.map_or(shape.clone(), |removed| shape - removed))
 }

@@ -5,7 +5,10 @@ use rayon::prelude::*;
 
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::Trajectory;
+use crate::mesh::TriangleMesh;
+use crate::monitor::Stage;
 use crate::parallel;
+use crate::thickness::thickness_with;
 
 /// How far the cut of a component is blurred, in ln t.
 const BLUR: f64 = 0.7;
@@ -13,32 +16,35 @@ const BLUR: f64 = 0.7;
 /// A cut of every vertex's spectrum by the thickness r of the shape there.
 ///
 /// A limb of the radius r vanishes at t ≈ r². What is left of it before that is a string. So the time
-/// axis of a vertex ends near κ r²: an edge e between bands lies at s(e) = e / √(1 + (e / κ r²)²). What
+/// axis of a vertex ends near r²/k: an edge e between bands lies at s(e) = e / √(1 + (k e / r²)²). What
 /// is later goes to the residual. The components φ_k belong to bands by the share
 /// x_k(s) = smoothstep((ln s − ln a_k) / (ln b_k − ln a_k)) that is before s, with
 /// a_k = √(t_{k−1} t_k) e^−0.7 and b_k = √(t_k t_{k+1}) e^0.7. It is a filter H(t, v), so the flow stays as
 /// it is, and bands and residual add up to the function.
 #[derive(Debug, Clone)]
 pub(crate) struct ThicknessCut {
-    /// ln κ r² of every vertex, V.
+    /// ln r²/k of every vertex, V.
     latest: Vec<f64>,
 }
 
 impl ThicknessCut {
-    /// The cut by κ = `keep_limbs` > 0 and the thickness of every vertex, V, length.
+    /// The cut by k = `keep_limbs` and the thickness of `mesh`; `None` where k is 0, as nothing is cut.
     ///
     /// # Errors
-    /// If κ is not positive and finite.
-    pub fn new(keep_limbs: f64, thickness: &[f64]) -> Result<Self> {
-        if !(keep_limbs > 0.0 && has_usable_size(keep_limbs)) {
+    /// If k is negative or not finite; or as [`thickness_with`].
+    pub fn new(mesh: &TriangleMesh, keep_limbs: f64, stage: Stage) -> Result<Option<Self>> {
+        if !(keep_limbs >= 0.0 && has_usable_size(keep_limbs)) {
             let found = format_args!("{keep_limbs:?}");
             let rule = "must be 0 or more and at most 1e100";
             return Err(ArgumentError::value("keep_limbs", rule, found).into());
         }
-        let latest = |r: &f64| (keep_limbs * r * r).ln();
-        Ok(Self {
-            latest: parallel::map(thickness, latest),
-        })
+        if keep_limbs == 0.0 {
+            return Ok(None);
+        }
+        let latest = |r: &f64| (r * r / keep_limbs).ln();
+        Ok(Some(Self {
+            latest: parallel::map(thickness_with(mesh, stage)?, latest),
+        }))
     }
 
     /// The bands between neighbouring `edges`, (C, V) each.

@@ -1,0 +1,98 @@
+"""Keep Limbs: the bands of an object cut anew in their places, as one drags a slider."""
+
+from dataclasses import replace
+
+import bpy
+from bpy.props import FloatProperty
+
+from ..options.declaring import options_of
+from ..scene.fingerprints import Likeness
+from ..scene.notes import note
+from ..scene.objects import refusal
+from ..scene.records import keeping_of, recognise_bands, record_of
+from .bands import Flow, displacements, flow_of, flows, settings_of
+from .settings import Settings
+
+OPTION = options_of(Settings)["keep_limbs"]
+
+
+class SpectralTVLimbs(bpy.types.PropertyGroup):
+    """How much of limbs the bands of a mesh leave."""
+
+    owner = bpy.types.Mesh, "spectral_tv_limbs"
+
+    def _get(self) -> float:
+        obj = _user(self.id_data)
+        return 0.0 if record_of(obj) is None else settings_of(record_of(obj)).limbs_kept
+
+    def _set(self, amount: float) -> None:
+        obj = _user(self.id_data)
+        if limbs_refusal(obj) is None:
+            keep_limbs(obj, amount)
+
+    keep: FloatProperty(
+        name=OPTION.label,
+        description=f"{OPTION.text}. Bands that were sculpted stay as they are",
+        min=OPTION.least,
+        max=OPTION.most,
+        soft_max=OPTION.soft_most,
+        precision=OPTION.digits,
+        options=set(),
+        get=_get,
+        set=_set,
+    )
+
+
+def limbs_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why bands cannot be cut anew, in a sentence for the user; None if they can."""
+    record = record_of(obj)
+    if record is None:
+        return "The active object has no bands; decompose it first"
+    if (reason := refusal(obj)) is not None:
+        return reason
+    if record.identifier not in flows:
+        return "The flow is no longer in memory; decompose the mesh again"
+    return None
+
+
+def keep_limbs(obj: bpy.types.Object, amount: float) -> None:
+    """Cut the bands of an object anew, each in its place, with so much of limbs kept.
+
+    Objects that were decomposed as one with it follow. Bands that were sculpted stay as they are,
+    and are noted. Raises Refusal as `flow_of`.
+    """
+    own = flow_of(obj)
+    _keep_limbs(obj, own, amount)
+    for mesh in {other.data for other in bpy.data.objects if record_of(other) is not None}:
+        other = _user(mesh)
+        identifier = record_of(other).identifier
+        is_other = identifier in flows and identifier != record_of(obj).identifier
+        if is_other and flows[identifier].surface.mesh is own.surface.mesh:
+            reason = limbs_refusal(other)
+            if reason is None:
+                _keep_limbs(other, flow_of(other), amount)
+            else:
+                note(f"{other.name}, of the same surface, is left as it is: {reason}")
+
+
+def _keep_limbs(obj: bpy.types.Object, flow: Flow, amount: float) -> None:
+    record = record_of(obj)
+    keeping, there = keeping_of(record), keeping_of(record).all(obj.data)
+    found = displacements(flow, flow.split.band_edges(len(record.bands)), amount)
+    rows = zip(record.bands, recognise_bands(obj), found, strict=True)
+    for band, (name, likeness), displacement in rows:
+        band.is_sculpted = bool(name) and likeness == Likeness.CHANGED
+        if band.is_sculpted:
+            note(f"{name!r} was sculpted since; it stays as it is")
+        elif name:
+            keeping.set(obj, there[name], displacement)
+            band.take(obj, keeping.written, name)
+    record.settings = replace(settings_of(record), keep_limbs=amount).text()
+
+
+def _user(mesh: bpy.types.Mesh) -> bpy.types.Object | None:
+    """An object that has a mesh, the active one if it does."""
+    active = bpy.context.active_object
+    if active is not None and active.data == mesh:
+        return active
+    return next((obj for obj in bpy.data.objects if obj.data == mesh), None)
