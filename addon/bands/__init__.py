@@ -2,12 +2,14 @@
 
 from . import (
     apply_modifier,
+    bake_safe,
     bands,
     bands_panel,
     caricature,
     decompose,
     decompose_panel,
     limbs,
+    live_guard,
     properties,
     set_bands,
     spectrum,
@@ -22,9 +24,11 @@ FILES = (
     set_bands,
     take_bands,
     apply_modifier,
+    bake_safe,
+    live_guard,
     decompose_panel,
     bands_panel,
     caricature,
 )
 VERBS = (verb.Decompose,)
-FORGET = (bands.flows.clear, spectrum.forget)
+FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget)

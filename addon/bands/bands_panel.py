@@ -6,9 +6,10 @@ import bpy
 
 from ..drawing.sidebar import Sidebar, say
 from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
-from . import filter_curve, spectrum
+from . import filter_curve, live_guard, spectrum
 from . import set_bands as operators
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
+from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
 from .gains import PRESETS
 from .limbs import limbs_refusal
@@ -59,9 +60,11 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             solo = row.operator(operators.SPECTRAL_TV_OT_solo.bl_idname, text="", icon=icon)
             solo.band = number
         self._draw_limbs(layout, context, record)
+        live_guard.draw(layout, context)
+        layout.operator(operators.SPECTRAL_TV_OT_keyframe.bl_idname, icon="KEY_HLT")
         row = layout.row(align=True)
-        row.operator(operators.SPECTRAL_TV_OT_keyframe.bl_idname, text="Keyframe", icon="KEY_HLT")
         row.operator(operators.SPECTRAL_TV_OT_bake.bl_idname, icon="SHAPEKEY_DATA")
+        row.operator(SPECTRAL_TV_OT_bake_safe.bl_idname, icon="FAKE_USER_ON")
         layout.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
         row = layout.row(align=True)
         row.prop(context.scene.spectral_tv, "bands")

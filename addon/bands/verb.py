@@ -16,6 +16,7 @@ from ..scene import applied
 from ..scene.notes import note
 from .bands import add_bands, prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
+from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
 from .settings import Settings
 from .shapes import groups
@@ -58,6 +59,7 @@ All other formats hold the filtered shape."""
             "them; of a format that cannot, there is a file for each",
         )
         add_gains(parser)
+        add_safe(parser)
 
     def complaint(self) -> str | None:
         """What is wrong with them together."""
@@ -69,6 +71,7 @@ All other formats hold the filtered shape."""
 
     def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Give objects their bands; over frames, have them play their filtered shapes."""
+        self._folding = FoldingGains(self.choices)
         if self.choices.frames is None:
             freeze(self.read, "; --frames all takes each as it is seen")
             self.treat_groups(objects)
@@ -78,6 +81,7 @@ All other formats hold the filtered shape."""
             self.treat_groups(copies, f", frame {frame}")
 
         treat_frames(objects, frames_of(self.choices.frames, self.read), treat)
+        self._folding.note_frames()
 
     def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         """The objects, those together whose open edges meet."""
@@ -106,6 +110,7 @@ All other formats hold the filtered shape."""
         for obj, surface in zip(objects, surfaces, strict=True):
             add_bands(obj, asked, surface, arguments, split)
             set_values(obj, values)
+        self._folding.look(objects, label)
 
     def _holds_bands(self) -> bool:
         """Whether bands can still be dialled in what is written."""

@@ -163,11 +163,20 @@ class Surface:
 
 def shape_of(surfaces: Sequence[Surface], shapes: Sequence[np.ndarray]) -> np.ndarray:
     """Shapes (V, 3) of objects that were read together as one of their mesh, (N, 3)."""
-    found = surfaces[0].mesh.vertices
-    for surface, shape in zip(surfaces, shapes, strict=True):
-        moved = surface.merge_vectors(shape - surface.copies.positions[: len(shape)])
+    moves = [
+        shape - surface.copies.positions[: len(shape)]
+        for surface, shape in zip(surfaces, shapes, strict=True)
+    ]
+    return surfaces[0].mesh.vertices + moves_of(surfaces, moves)
+
+
+def moves_of(surfaces: Sequence[Surface], moves: Sequence[np.ndarray]) -> np.ndarray:
+    """Displacements (V, 3) of objects that were read together as those of their mesh, (N, 3)."""
+    found = np.zeros((len(surfaces[0].mesh.vertex_areas), 3))
+    for surface, moved in zip(surfaces, moves, strict=True):
         mine = np.unique(surface.copies.places[surface.copies.places >= 0])
-        found[mine] += moved[mine]
+        # Where several meet, they move alike.
+        found[mine] = surface.merge_vectors(moved)[mine]
     return found
 
 

@@ -20,10 +20,11 @@ EXAMPLES = {
 FILES = {
     "README.md-1": ["monkey.blend"],
     "scripting.md-1": ["smooth.blend"],
-    "scripting.md-2": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
-    "scripting.md-4": ["mask.blend", "mask.csv"],
-    "scripting.md-5": ["smooth.png"],
-    "scripting.md-11": ["splits.pickle"],
+    "scripting.md-2": ["safe.blend"],
+    "scripting.md-3": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+    "scripting.md-5": ["mask.blend", "mask.csv"],
+    "scripting.md-6": ["smooth.png"],
+    "scripting.md-12": ["splits.pickle"],
 }
 
 

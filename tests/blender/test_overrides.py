@@ -49,6 +49,7 @@ WRITING = {
     "apply_modifier": {},
     "bake": {},
     "bake_deformation": {"frame_end": 2},
+    "bake_safe": {},
     "caricature": {"bands": 3, "steps": 8},
     "constraint_add": {"kind": "PIN"},
     "cosegment": {"segments": 3, "steps": 8},

@@ -211,16 +211,32 @@ def split_ball() -> tuple[bpy.types.Object, list[bpy.types.Object]]:
     return whole, pieces
 
 
-@pytest.mark.parametrize(("method", "base"), [("M1", "FLOW"), ("M2", "FLOW"), ("M3", "FLAT")])
+def add_base(obj: bpy.types.Object) -> None:
+    """The shape key Base: a sphere in the world."""
+    obj.shape_key_add(name="Basis", from_mix=False)
+    key = obj.shape_key_add(name="Base", from_mix=False)
+    key.value = 0
+    shift = np.array(obj.location)
+    points = seen(obj) + shift
+    points *= 0.9 / np.linalg.norm(points, axis=1, keepdims=True)
+    key.data.foreach_set("co", (points - shift).astype(np.float32).ravel())
+
+
+@pytest.mark.parametrize(
+    ("method", "base"), [("M1", "FLOW"), ("M2", "FLOW"), ("M3", "FLAT"), ("M3", "KEY")]
+)
 def test_objects_whose_open_edges_meet_are_decomposed_as_one(method, base):
     whole, pieces = split_ball()
-    bpy.ops.spectral_tv.decompose(method=method, base=base, **QUICK)
+    for obj in (whole, *pieces) if base == "KEY" else ():
+        add_base(obj)
+    base = {"base": base, "base_key": "Base"}
+    bpy.ops.spectral_tv.decompose(method=method, **base, **QUICK)
     places = {tuple(np.round(p, 5)): index for index, p in enumerate(seen(whole))}
     bpy.ops.object.select_all(action="DESELECT")
     for piece in pieces:
         piece.select_set(True)
     bpy.context.view_layer.objects.active = pieces[1]
-    bpy.ops.spectral_tv.decompose(method=method, base=base, together=True, **QUICK)
+    bpy.ops.spectral_tv.decompose(method=method, **base, together=True, **QUICK)
     for piece in pieces:
         points = seen(piece) + np.array(piece.location)
         same = [places[tuple(np.round(p, 5))] for p in points]

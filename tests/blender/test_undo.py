@@ -67,6 +67,7 @@ CASES = {
     "apply_modifier": (subdivided, {}),
     "apply_curve": (banded, {}),
     "bake": (banded, {}),
+    "bake_safe": (banded, {}),
     "bake_deformation": (held, {"frame_end": 3}),
     "caricature": (lambda: (ball("One"), ball("Two")), {"bands": 3, "steps": 8, "last": 3}),
     "constraint_add": (dumbbell_object, {"kind": "OBJECT"}),
@@ -89,7 +90,7 @@ CASES = {
     "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),
 }
 # Those that change nothing in the file.
-WITHOUT_STEP = {"cancel", "export_values"}
+WITHOUT_STEP = {"cancel", "count_folds", "export_values"}
 # What can be done in a window alone; tests/window does it.
 IN_WINDOWS = {"cancel", "deform_live"}
 

@@ -143,6 +143,9 @@ def drag_a_slider() -> Steps[None]:
     values = [band.value for band in bands()]
     assert values[3] > 0.1
     assert values[:3] + values[4:] == [0] * (BANDS - 1)
+    guard = sys.modules["bl_ext.user_default.spectral_tv.bands.live_guard"]
+    (drawn,) = [each.line for each in guard._watched.values()]
+    assert drawn == guard.count(monkey()), "the line under the sliders does not follow them"
     yield from picture("6_slider")
 
 

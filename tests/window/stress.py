@@ -61,6 +61,8 @@ def undo_every_job() -> Steps[None]:
     kinds = sys.modules[f"{MODULE}.job.operator"].JobOperator.__subclasses__()
     assert {kind.bl_idname.removeprefix("spectral_tv.") for kind in kinds} == SHORT_WORK.keys()
     precious()
+    start("decompose", bands=3, steps=FEW + 2)  # so that there are bands to bake
+    yield from all_ended()
     for group, kind in (("Eye", "PIN"), ("Ear", "OBJECT")):
         bpy.context.object.vertex_groups.active = bpy.context.object.vertex_groups[group]
         start("constraint_add", kind=kind)

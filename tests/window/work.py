@@ -26,7 +26,8 @@ LONG_WORK = (
 # One for every operator that runs a job.
 SHORT_WORK = {
     "bake_deformation": {"frame_end": 3},
-    "caricature": {"steps": FEW},
+    "bake_safe": {},
+    "caricature": {"steps": FEW + 1},  # another flow than that of decompose
     "cosegment": {"steps": FEW},
     "decompose": {"steps": FEW},
     "deform": {},

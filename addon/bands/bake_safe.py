@@ -1,0 +1,65 @@
+"""The operator that bakes the mix of the bands without what folds."""
+
+from dataclasses import dataclass
+
+import bpy
+from bpy.props import BoolProperty
+
+from ..job.jobs import Seen
+from ..job.operator import JobOperator
+from ..options.properties import choices_of
+from ..scene.objects import Refusal, distinct_meshes
+from .clamping import Clamped, Clamping, GuardSettings, Work
+from .set_bands import bands_refusal
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """The objects, and what is to be clamped of them."""
+
+    seen: list[Seen]
+    clamping: Clamping
+
+
+class SPECTRAL_TV_OT_bake_safe(JobOperator, choices_of(GuardSettings, "guard"), bpy.types.Operator):
+    """Add the present mix of the bands as one new shape key at value 0. Where bands above 0 would
+    fold or stretch faces, it has less of them. What bands below 0 take away is not clamped"""
+
+    bl_idname = "spectral_tv.bake_safe"
+    bl_label = "Bake Safe"
+    working = "Clamping"
+
+    together: BoolProperty(
+        name="Selected as One",
+        description="Clamp all selected meshes as one surface, so that they stay joined where "
+        "their open edges meet",
+    )
+
+    @staticmethod
+    def unusable(subject: bpy.types.ID | None) -> str | None:
+        """No bands, or none that can be baked."""
+        return bands_refusal(subject, override=False)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        super().draw(context)
+        self.layout.prop(self, "together")
+
+    def prepare(self, obj: bpy.types.Object) -> Prepared:
+        objects = distinct_meshes(bpy.context) if self.together else [obj]
+        for each in objects:
+            reason = self.unusable(each)
+            if reason is not None:
+                raise Refusal(f"{each.name}: {reason}")
+        seen = [Seen.of(each) for each in objects]
+        return Prepared(seen, Clamping.read(objects, self.settings()))
+
+    def start(self, prepared: Prepared) -> Work:
+        return Work(prepared.clamping)
+
+    def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Clamped) -> str:
+        objects = [seen.again() for seen in prepared.seen]
+        if None in objects:
+            name = prepared.seen[objects.index(None)].name
+            raise Refusal(f"nothing was written, as {name} changed in the meantime")
+        _, done = prepared.clamping.write(objects, result)
+        return done

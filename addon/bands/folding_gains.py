@@ -1,0 +1,79 @@
+"""Gains on the command line that fold faces: told, and clamped if that is asked for."""
+
+import argparse
+from collections.abc import Sequence
+
+import bpy
+
+from ..command_line.progress import progress
+from ..scene.notes import gathered, listed, note
+from ..scene.records import bands_of
+from .bands import set_values
+from .clamping import Clamping, GuardSettings, Work
+from .guard import Counts, Reference
+
+
+def add_safe(parser: argparse.ArgumentParser) -> None:
+    """Declare that they are clamped."""
+    parser.add_argument(
+        "--safe",
+        action="store_true",
+        help="add less of what gains above 1 add where it would fold faces or stretch them beyond "
+        f"{GuardSettings.stretch:g} times their length; the result is a shape key, and the bands "
+        "are at gain 1. What gains below 1 take away is not clamped",
+    )
+
+
+class FoldingGains:
+    """What is to be said of the gains; over frames, all at once in the end."""
+
+    def __init__(self, choices: argparse.Namespace) -> None:
+        """Take what was chosen."""
+        self._is_safe, self._is_moving = choices.safe, choices.frames is not None
+        self._counts: list[Counts] = []
+        self._left = 0
+
+    def look(self, objects: Sequence[bpy.types.Object], label: str) -> None:
+        """Count, and clamp, what the bands of objects do that are one surface.
+
+        Raises Refusal or spectral_tv.MeshError.
+        """
+        bands = [[key for key in bands_of(obj) if key is not None] for obj in objects]
+        pairs = zip(objects, bands, strict=True)
+        found = sum((Reference().counts(*pair) for pair in pairs), Counts())
+        self._counts.append(found)
+        is_added = any(key.value > 0 for keys in bands for key in keys)
+        if self._is_safe and found and is_added:
+            self._clamp(objects, label)
+        elif found and not self._is_moving:
+            advice = "; --safe clamps what they add" if is_added else ""
+            note(f"at these gains {found.told()}{advice}")
+
+    def note_frames(self) -> None:
+        """Note what was found in frames."""
+        bad = [each for each in self._counts if each]
+        if bad:
+            most = Counts(max(each.folded for each in bad), max(each.stretched for each in bad))
+            clamped = ", before they are clamped" if self._is_safe else ""
+            note(
+                f"at these gains {most.told()} at most in a frame{clamped}, and some in "
+                f"{len(bad)} of {len(self._counts)}"
+            )
+        if self._left:
+            note(f"in {self._left} frames faces still fold, stretch or cross others")
+
+    def _clamp(self, objects: Sequence[bpy.types.Object], label: str) -> None:
+        with gathered() as left:
+            clamping = Clamping.read(objects, GuardSettings())
+            with progress(f"{label}, clamping") as show:
+                result = Work(clamping).result(show)
+            keys, done = clamping.write(objects, result)
+        for obj, key in zip(objects, keys, strict=True):
+            set_values(obj, [0.0] * len(bands_of(obj)))
+            key.value = 1.0
+        if self._is_moving:
+            self._left += bool(left)
+            return
+        for text in left:
+            note(text)
+        note(f"{done}; the bands are at gain 1, and {listed(key.name for key in keys)} is shown")

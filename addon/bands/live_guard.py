@@ -1,0 +1,193 @@
+"""The line under the sliders of the bands: how many faces fold and stretch as they are turned."""
+
+from dataclasses import dataclass
+
+import bpy
+import spectral_tv
+
+from ..drawing.sidebar import say
+from ..job.operator import Refusing
+from ..scene.mix import keys_of
+from ..scene.records import bands_shown
+from .guard import Counts, Reference, distortion
+from .set_bands import bands_refusal
+
+# Triangles that are counted again at every move of a slider; of more, when the user asks.
+MOST_LIVE = 1_000_000
+# Objects whose faces are kept in memory: those seen last.
+MOST_KNOWN = 2
+# Where the shape keys are what is seen.
+MODES = ("OBJECT", "VERTEX_PAINT", "TEXTURE_PAINT")
+
+
+@dataclass(frozen=True)
+class Line:
+    """What is drawn: a text and its icon. Without a text, a button that counts."""
+
+    text: str = ""
+    icon: str = "INFO"
+
+
+class _Watched:
+    """An object, what is known of its faces, and what was last counted."""
+
+    def __init__(self, obj: bpy.types.Object) -> None:
+        self.mesh = obj.data.session_uid
+        self.reference = Reference()
+        self.question: tuple | None = None
+        self.line: Line | None = None
+        self._sliders = _sliders(obj.data)
+
+    def count(self, obj: bpy.types.Object, question: tuple) -> Line:
+        """Count anew."""
+        try:
+            counts = self.reference.counts(obj, _bands(obj))
+        except (spectral_tv.MeshError, MemoryError) as error:
+            self.line = Line(f"Faces cannot be counted: {error}")
+        else:
+            self.line = line_of(counts)
+        self.question = question
+        return self.line
+
+    def notice(self, mesh: bpy.types.Mesh) -> None:
+        """Take note that Blender has updated the mesh.
+
+        Masks take long to read. An update at which no slider has moved may be one of them.
+        """
+        before, self._sliders = self._sliders, _sliders(mesh)
+        if self._sliders == before:
+            self.reference.forget_masks()
+        self.question = None
+
+    def distrust(self) -> None:
+        """Read all of it again."""
+        self.reference.forget_masks()
+        self.question = None
+
+
+# By the objects, those seen last in the end.
+_watched: dict[int, _Watched] = {}
+
+
+def line_of(counts: Counts) -> Line:
+    """What is drawn of counts."""
+    told = counts.told()
+    return Line(told[0].upper() + told[1:], "ERROR" if counts else "CHECKMARK")
+
+
+def line(context: bpy.types.Context) -> Line | None:
+    """What is drawn of the active object, which has bands; None where they are not what is seen.
+
+    Counts only if something that matters has changed. Raises nothing.
+    """
+    obj = context.active_object
+    if obj.mode not in MODES or obj.data.is_editmode or not obj.data.shape_keys.use_relative:
+        return None
+    known = _watched.get(obj.session_uid)
+    if known is not None and known.question == _question(obj):
+        return known.line
+    if context.screen is not None and context.screen.is_animation_playing:
+        return Line("Folds are counted when the animation stops")
+    return count(obj) if _triangles(obj.data) <= MOST_LIVE else Line()
+
+
+def count(obj: bpy.types.Object) -> Line:
+    """Count now, and remember it."""
+    _listen()
+    known = _watched.pop(obj.session_uid, None)
+    if known is None or known.mesh != obj.data.session_uid:
+        known = _Watched(obj)
+    _watched[obj.session_uid] = known
+    while len(_watched) > MOST_KNOWN:
+        del _watched[next(iter(_watched))]
+    return known.count(obj, _question(obj))
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Draw the line."""
+    found = line(context)
+    if found is not None and found.text:
+        say(layout, context, found.text, found.icon)
+    elif found is not None:
+        layout.operator(SPECTRAL_TV_OT_count_folds.bl_idname, icon="VIEWZOOM")
+
+
+class SPECTRAL_TV_OT_count_folds(Refusing, bpy.types.Operator):
+    """Tell how many faces the bands fold and stretch at their present values"""
+
+    bl_idname = "spectral_tv.count_folds"
+    bl_label = "Count Folds"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return bands_refusal(context.active_object)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.active_object
+        _watched.pop(obj.session_uid, None)  # what was read may be out of date in scripts
+        return self.tell(obj, count(obj).text, [])
+
+
+def forget() -> None:
+    """Let go of all that is kept, and listen no more."""
+    _watched.clear()
+    for handlers, handler in _handlers():
+        if handler in handlers:
+            handlers.remove(handler)
+
+
+def _listen() -> None:
+    for handlers, handler in _handlers():
+        if handler not in handlers:
+            handlers.append(handler)
+
+
+def _handlers() -> list[tuple[list, object]]:
+    handlers = bpy.app.handlers
+    return [
+        (handlers.depsgraph_update_post, _notice),
+        (handlers.undo_post, _distrust),
+        (handlers.redo_post, _distrust),
+    ]
+
+
+def _notice(_scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
+    for update in graph.updates:
+        mesh = update.id.original
+        if isinstance(mesh, bpy.types.Mesh):
+            for each in _watched.values():
+                if each.mesh == mesh.session_uid:
+                    each.notice(mesh)
+
+
+def _distrust(*_arguments: object) -> None:
+    for each in _watched.values():
+        each.distrust()
+
+
+def _bands(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
+    return [key for key in bands_shown(obj) if key is not None]
+
+
+def _triangles(mesh: bpy.types.Mesh) -> int:
+    return len(mesh.loops) - 2 * len(mesh.polygons)
+
+
+def _sliders(mesh: bpy.types.Mesh) -> tuple:
+    """What is changed by turning a slider of the panel, or by pressing something beside it."""
+    keys = tuple((key.name, key.value, key.mute) for key in keys_of(mesh).values())
+    return mesh.spectral_tv.decomposition.settings, keys
+
+
+def _question(obj: bpy.types.Object) -> tuple:
+    """All that the answer depends on, but for what Blender tells of by an update."""
+    matrix = distortion(obj)
+    return (
+        obj.data.session_uid,
+        None if matrix is None else matrix.tobytes(),
+        _sliders(obj.data),
+        tuple(key.name for key in _bands(obj)),
+        tuple(key.vertex_group for key in keys_of(obj.data).values()),
+        obj.show_only_shape_key and obj.active_shape_key_index,
+    )
