@@ -29,6 +29,37 @@ def two_layers(mesh: Mesh, gap: float) -> Mesh:
     return np.vstack([vertices, inner]), np.vstack([triangles, triangles[:, ::-1] + count, rim])
 
 
+def box(lines: np.ndarray) -> Mesh:
+    """The surface of [−1, 1]³, every face divided by the same lines both ways."""
+    count = len(lines)
+    i, j = np.indices((count, count)).reshape(2, -1)
+    first = (count * np.arange(count - 1)[:, None] + np.arange(count - 1)).reshape(-1, 1)
+    halves = [first + np.array(corners) for corners in ((0, count, count + 1), (0, count + 1, 1))]
+    vertices, triangles = [], []
+    for axis in range(3):
+        for side in (-1, 1):
+            face = np.empty((count**2, 3))
+            face[:, axis], face[:, axis - 2], face[:, axis - 1] = side, lines[i], lines[j]
+            triangles.append(np.vstack(halves)[:, ::side] + len(vertices) * count**2)
+            vertices.append(face)
+    merged, index = np.unique(np.vstack(vertices), axis=0, return_inverse=True)
+    return merged, index.ravel()[np.vstack(triangles)]
+
+
+def machined_box(knob: float) -> Mesh:
+    """A box with a ring of grooves and a raised panel on every face, and a knob on one."""
+    half = np.array([0.15, 0.2, 0.25, 0.55, 0.6, 0.75, 0.8, 0.85, 1.0])
+    flat, triangles = box(np.concatenate([-half[::-1], half]))
+    vertices = flat.copy()
+    for axis in range(3):
+        beside = np.abs(np.delete(flat, axis, axis=1)).max(axis=1)
+        on_face = np.abs(flat[:, axis]) == 1
+        out = np.where(beside == 0.8, -0.05, np.where(beside < 0.6, 0.08, 0.0))
+        vertices[:, axis] += np.where(on_face, out, 0) * flat[:, axis]
+    vertices[(flat[:, 2] == 1) & (np.abs(flat[:, :2]).max(axis=1) < 0.2), 2] += knob
+    return vertices, triangles
+
+
 @pytest.mark.parametrize("subdivisions", [1, 3, 5])
 def test_a_ball_is_as_thick_as_its_radius(subdivisions):
     radii = thickness(icosphere(subdivisions, radius=3.0))
@@ -77,6 +108,21 @@ def test_a_cube_of_few_triangles_has_the_thickness_of_one_of_many():
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     triangles = np.array([[q[a], q[b], q[c]] for q in quads for a, b, c in ((0, 1, 2), (0, 2, 3))])
     assert np.abs(thickness((corners, triangles)) / 0.5 - 1).max() < 0.08
+
+
+def test_a_box_with_grooves_and_panels_is_as_thick_as_the_box():
+    """On its faces, its edges and its corners, and in the grooves."""
+    assert np.abs(thickness(machined_box(knob=0)) - 1).max() < 0.1
+
+
+def test_a_knob_has_its_own_thickness_and_lowers_only_what_is_near():
+    vertices, triangles = machined_box(knob=0.5)
+    radii = thickness((vertices, triangles))
+    top = vertices[:, 2] > 1.2
+    assert np.abs(radii[top] / 0.175 - 1).max() < 0.15
+    distance = np.linalg.norm(vertices[~top] - [0, 0, 1.08], axis=1)
+    assert (radii[~top] > np.minimum(0.9, 0.17 + 0.3 * distance)).all()
+    assert radii.max() < 1.1
 
 
 def test_parts_are_as_thick_alone_as_beside_others():

@@ -1,4 +1,4 @@
-//! Thin parts, and how thickness grows from them.
+//! How thickness changes along the surface.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -6,15 +6,11 @@ use std::collections::BinaryHeap;
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::parallel;
-use crate::thickness::ball::Balls;
 use crate::thickness::incidence::Incidence;
-use crate::thickness::scaled::{Scaled, square_distance};
+use crate::thickness::scaled::Scaled;
 
 /// How fast thickness grows along the surface at most.
 const SLOPE: f64 = 0.3;
-/// The cosine between its points of contact from which on a ball limits the thickness. As it goes to
-/// −1, at opposite sides, the limit goes to the radius.
-const PARTING: f64 = -0.3;
 /// The time of the diffusion that smooths ln r, relative to the area.
 const SMOOTHING: f64 = 1e-5;
 /// Edges count as if they were no shorter.
@@ -77,26 +73,15 @@ pub(super) fn filled(
     )
 }
 
-/// Lowers `radii` (V) to those of balls between opposite sides, and to r + 0.3 d at the distance d
-/// from a vertex with r.
+/// Lowers `radii` (V) to r + 0.3 d at the distance d from a vertex with r.
 pub(super) fn limited(
     shape: &Scaled,
     incidence: &Incidence,
-    balls: &Balls,
     radii: &mut [f64],
     stage: Stage,
 ) -> Result<()> {
-    for ball in balls.parts.iter().flatten() {
-        if ball.cosine < PARTING {
-            let limit = ball.radius * (1.0 + PARTING) / (PARTING - ball.cosine);
-            // Where surfaces touch or cross, no triangle tells of less.
-            let limit = limit.max(0.5 * mean_edge(shape, incidence, ball.vertex));
-            let radius = &mut radii[ball.vertex as usize];
-            *radius = radius.min(limit);
-        }
-    }
     let grows = |vertex: u32| {
-        let most = |other: u32| radii[vertex as usize] + SLOPE * edge(shape, vertex, other);
+        let most = |other: u32| radii[vertex as usize] + SLOPE * shape.distance(vertex, other);
         incidence
             .around(shape, vertex)
             .any(|other| radii[other as usize] > most(other))
@@ -129,7 +114,7 @@ fn spread(
             continue;
         }
         for other in incidence.around(shape, vertex) {
-            let key = key + slope * edge(shape, vertex, other);
+            let key = key + slope * shape.distance(vertex, other);
             if key < keys[other as usize] {
                 keys[other as usize] = key;
                 lowered(vertex, other);
@@ -158,7 +143,7 @@ pub(super) fn smoothed(
             let own = logarithms[vertex];
             let (mut sum, mut total) = (0.0, 0.0);
             for other in incidence.around(shape, vertex as u32) {
-                let weight = edge(shape, vertex as u32, other).max(SHORTEST).recip();
+                let weight = shape.distance(vertex as u32, other).max(SHORTEST).recip();
                 if other as usize != vertex {
                     sum += weight * (logarithms[other as usize] - own);
                     total += weight;
@@ -168,18 +153,4 @@ pub(super) fn smoothed(
         });
     }
     Ok(parallel::map(&logarithms, |logarithm| logarithm.exp()))
-}
-
-fn mean_edge(shape: &Scaled, incidence: &Incidence, vertex: u32) -> f64 {
-    let lengths = incidence
-        .around(shape, vertex)
-        .filter(|other| *other != vertex);
-    let (sum, count) = lengths.fold((0.0, 0.0), |(sum, count), other| {
-        (sum + edge(shape, vertex, other), count + 1.0)
-    });
-    sum / count
-}
-
-fn edge(shape: &Scaled, one: u32, other: u32) -> f64 {
-    square_distance(shape.points[one as usize], shape.points[other as usize]).sqrt()
 }

@@ -2,12 +2,21 @@
 
 use crate::error::Result;
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::thickness::ball::{Ball, Balls};
 use crate::thickness::incidence::Incidence;
-use crate::thickness::scaled::{Scaled, square_distance};
+use crate::thickness::outward::Outward;
+use crate::thickness::scaled::{Scaled, difference, dot, square_distance};
 
-/// How far a ball reaches, in its radii from its center.
-const REACH: f64 = 1.4;
+/// How far a ball reaches, in its radii from its center: beyond the corners of a cube.
+const REACH: f64 = 1.8;
+/// A ball reaches the triangles that face away from its center: the cosine between their normal and
+/// the direction from there is over this, as at the corners of a cube. The sides of what stands out
+/// do not.
+const FACING: f64 = 0.55;
+/// How far a ball goes on over other triangles, in its radii, to those beyond, as over the walls of a
+/// groove.
+const ASIDE: f64 = 0.3;
 /// A ball is passed over where one reaches its vertex that is larger by this.
 const LARGER: f64 = 1.5;
 /// The same for one of any larger size, if its center is within this share of its radius.
@@ -18,12 +27,18 @@ const SAME: f64 = 0.3;
 pub(super) fn reached(
     shape: &Scaled,
     incidence: &Incidence,
+    outward: &Outward,
     balls: &Balls,
     stage: Stage,
 ) -> Result<Vec<f64>> {
+    let normals = |face: usize| outward.normal(shape, face as u32);
     let mut reached = Reached {
+        shape,
+        incidence,
+        normals: stage.pass(|| parallel::values(shape.triangles.len(), normals))?,
         radii: vec![0.0; shape.points.len()],
-        last: vec![0; shape.points.len()],
+        aside: vec![(0, 0.0); shape.points.len()],
+        last: vec![0; shape.triangles.len()],
         count: 0,
     };
     for part in &balls.parts {
@@ -37,9 +52,9 @@ pub(super) fn reached(
                 let distance = SAME * larger.radius;
                 square_distance(ball.center, larger.center) < distance * distance
             };
-            let adds_little = || found >= LARGER * ball.radius || spread.iter().any(is_same);
-            if found < ball.radius || !adds_little() {
-                reached.spread(shape, incidence, ball);
+            let adds_much = || found < LARGER * ball.radius && !spread.iter().any(is_same);
+            if found < ball.radius || adds_much() {
+                reached.spread(ball);
                 spread.push(ball);
             }
         }
@@ -48,31 +63,75 @@ pub(super) fn reached(
 }
 
 /// What balls have reached so far.
-struct Reached {
+struct Reached<'a> {
+    shape: &'a Scaled,
+    incidence: &'a Incidence,
+    /// Of the triangles, outward, F.
+    normals: Vec<[f64; 3]>,
     radii: Vec<f64>,
-    /// Which ball came by a vertex last, by its number.
+    /// Which ball came by a vertex last, by its number, and how far it had gone on over triangles that
+    /// do not face it, V.
+    aside: Vec<(u32, f64)>,
+    /// Which ball reached a triangle last, by its number, F.
     last: Vec<u32>,
     count: u32,
 }
 
-impl Reached {
-    /// Has a ball reach what it reaches.
-    fn spread(&mut self, shape: &Scaled, incidence: &Incidence, ball: &Ball) {
+impl Reached<'_> {
+    /// Has a ball reach what it reaches, and its own vertex.
+    fn spread(&mut self, ball: &Ball) {
         self.count += 1;
-        let reach = (REACH * ball.radius).powi(2);
-        self.last[ball.vertex as usize] = self.count;
+        let farthest = (REACH * ball.radius).powi(2);
+        self.claim(ball.vertex, ball);
+        self.aside[ball.vertex as usize] = (self.count, 0.0);
         let mut front = vec![ball.vertex];
         while let Some(vertex) = front.pop() {
-            let radius = &mut self.radii[vertex as usize];
-            *radius = radius.max(ball.radius);
-            for neighbour in incidence.around(shape, vertex) {
-                let is_new = self.last[neighbour as usize] != self.count;
-                let point = shape.points[neighbour as usize];
-                if is_new && square_distance(point, ball.center) <= reach {
-                    self.last[neighbour as usize] = self.count;
-                    front.push(neighbour);
+            let (_, before) = self.aside[vertex as usize];
+            for &face in self.incidence.faces(vertex) {
+                if self.last[face as usize] == self.count {
+                    continue;
+                }
+                let is_facing = self.facing(face, ball) > FACING;
+                if is_facing {
+                    self.last[face as usize] = self.count;
+                }
+                for corner in self.shape.triangles[face as usize] {
+                    let point = self.shape.points[corner as usize];
+                    if square_distance(point, ball.center) > farthest {
+                        continue;
+                    }
+                    let aside = if is_facing {
+                        self.claim(corner, ball);
+                        0.0
+                    } else {
+                        before + self.shape.distance(vertex, corner)
+                    };
+                    let known = &mut self.aside[corner as usize];
+                    let is_nearer = known.0 != self.count || aside < known.1;
+                    if is_nearer && aside <= ASIDE * ball.radius {
+                        *known = (self.count, aside);
+                        front.push(corner);
+                    }
                 }
             }
+        }
+    }
+
+    fn claim(&mut self, vertex: u32, ball: &Ball) {
+        let radius = &mut self.radii[vertex as usize];
+        *radius = radius.max(ball.radius);
+    }
+
+    /// The cosine between the normal of a triangle and its direction from the center of a ball.
+    fn facing(&self, face: u32, ball: &Ball) -> f64 {
+        let corners = self.shape.corners(face);
+        let middle = std::array::from_fn(|axis| corners.iter().map(|p| p[axis]).sum::<f64>() / 3.0);
+        let across = difference(middle, ball.center);
+        let cosine = dot(self.normals[face as usize], across) / dot(across, across).sqrt();
+        if ball.is_either_side {
+            cosine.abs()
+        } else {
+            cosine
         }
     }
 }

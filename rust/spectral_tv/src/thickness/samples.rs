@@ -6,7 +6,7 @@ use crate::thickness::scaled::{Scaled, square_distance};
 
 /// Points at which balls are inscribed, over all parts: half of them as the area is, half of them as
 /// the triangles are, as fine parts have finer ones.
-const SAMPLES: usize = 6000;
+const SAMPLES: usize = 2500;
 /// Points of a part, at least.
 const FEWEST: usize = 16;
 /// How far the points by which balls know the surface are from one another at most.

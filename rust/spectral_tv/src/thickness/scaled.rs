@@ -50,6 +50,11 @@ impl Scaled {
         self.triangles[face as usize].map(|corner| self.points[corner as usize])
     }
 
+    /// The distance between two vertices.
+    pub fn distance(&self, one: u32, other: u32) -> f64 {
+        square_distance(self.points[one as usize], self.points[other as usize]).sqrt()
+    }
+
     /// Twice the area of a triangle along its normal.
     pub fn area_normal(&self, face: u32) -> [f64; 3] {
         let [p, q, r] = self.corners(face);
