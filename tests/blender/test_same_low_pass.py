@@ -104,7 +104,8 @@ def test_of_files(tmp_path: Path, scan, expected, kind):
     target = tmp_path / "out.blend"
     source = FILES[kind](tmp_path, scan)
     gains = ["--gain", "1=0", "--gain", "2=0"]
-    assert run(["decompose", str(source), "-o", str(target), *QUICK, *gains]) == 0
+    plain = ["--keep-limbs", "0", "--soft-edges", "0"]
+    assert run(["decompose", str(source), "-o", str(target), *QUICK, *gains, *plain]) == 0
     load(target)
     vertices, _ = scan
     graph = bpy.context.evaluated_depsgraph_get()

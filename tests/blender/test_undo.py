@@ -83,6 +83,7 @@ CASES = {
     "flow_attribute": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
     "keyframe": (banded, {}),
     "measure_accuracy": (banded, {"bands": 2, "steps": 8}),
+    "measure_thickness": (lambda: ball("Ball"), {}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
     "select_faulty": (torn, {}),
     "solo": (banded, {"band": 2}),
