@@ -96,6 +96,8 @@ pictures: $(EXTENSION_STAMP)
 	mkdir -p docs/pictures
 	cp .build/pictures/creature.png docs/pictures/filters.png
 	$(BIN)/python -m tools.demo.methods .build/pictures/creature.blend docs/pictures
+	$(BIN)/python -m tools.demo.limbs_kept .build/pictures/creature.blend \
+	  docs/pictures/limbs_kept.png
 	$(BIN)/python -m tools.demo.deformations .build/pictures/creature.blend \
 	  docs/pictures/deformations.png
 	$(BIN)/python -m tools.demo.comparisons .build/pictures/creature.blend \

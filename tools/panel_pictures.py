@@ -10,15 +10,15 @@ ROOT = Path(__file__).resolve().parent.parent
 # Left and right edge of the sidebar in the session's window; upper and lower edges of the panels.
 LEFT, RIGHT = 774, 1030
 PICTURES = {
-    "panel_decompose": ("1_tab", 84, 278),
-    "panel_progress": ("2_progress", 84, 278),
-    "panel_scales": ("panel_base_flow", 84, 430),
-    "panel_bands": ("4_bands", 280, 668),
-    "panel_filters": ("4_bands", 668, 858),
-    "panel_curve": ("panel_curve", 919, 1233),
-    "panel_deform": ("panel_deform", 341, 696),
-    "panel_attributes": ("panel_attributes", 752, 1046),
-    "panel_values": ("panel_values", 990, 1229),
+    "panel_decompose": ("1_tab", 84, 328),
+    "panel_progress": ("2_progress", 84, 328),
+    "panel_scales": ("panel_base_limbs", 84, 497),
+    "panel_bands": ("4_bands", 328, 796),
+    "panel_filters": ("4_bands", 796, 982),
+    "panel_curve": ("panel_curve", 1131, 1445),
+    "panel_deform": ("panel_deform", 389, 744),
+    "panel_attributes": ("panel_attributes", 799, 1124),
+    "panel_values": ("panel_values", 1064, 1303),
 }
 
 

@@ -21,10 +21,10 @@ FILES = {
     "README.md-1": ["monkey.blend"],
     "scripting.md-1": ["smooth.blend"],
     "scripting.md-2": ["safe.blend"],
-    "scripting.md-3": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
-    "scripting.md-5": ["mask.blend", "mask.csv"],
-    "scripting.md-6": ["smooth.png"],
-    "scripting.md-12": ["splits.pickle"],
+    "scripting.md-4": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+    "scripting.md-6": ["mask.blend", "mask.csv"],
+    "scripting.md-7": ["smooth.png"],
+    "scripting.md-14": ["splits.pickle"],
 }
 
 

@@ -26,7 +26,7 @@ def attributes(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
     settings.groups, settings.size = "Head, Feet", 60
     yield from click(x, header)
     yield from pictured("panel_attributes")
-    _, y = yield from find("spectral_tv.flow_attribute(")
+    _, y = yield from find("spectral_tv.measure_thickness(")
     yield from click(x, y - NEXT_HEADER - HEADER)  # the lower one first, which moves nothing
     yield from click(x, y - NEXT_HEADER)
     yield from pictured("panel_values")
@@ -71,5 +71,5 @@ def caricature(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
 def first_band(obj: bpy.types.Object) -> float | None:
     """Its value; None without it."""
     keys = obj.data.shape_keys
-    key = None if keys is None else keys.key_blocks.get("M3 Band 1")
+    key = None if keys is None else keys.key_blocks.get("M1 Band 1")
     return None if key is None else key.value

@@ -21,10 +21,11 @@ def panels() -> Steps[None]:
     yield from click(x + 60, y)
     yield from away()
     yield from picture("panel_scales")
-    x, y = yield from find("spectral_tv.shown_largest", column=0.7)
     settings().method = "M3"
+    yield from away()
+    x, y = yield from find("spectral_tv.shown_largest", column=0.7)
     yield from click(x - 100, y - NEXT_HEADER)
-    for base in ("FLOW", "FLAT", "KEY"):
+    for base in ("LIMBS", "FLAT", "KEY"):
         settings().base = base
         yield from away()
         yield from picture(f"panel_base_{base.lower()}")

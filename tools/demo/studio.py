@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -25,7 +25,8 @@ AMBIENT = 0.24
 CLAY = (0.52, 0.43, 0.35)
 # Of painted surfaces, so much of the light is their own.
 GLOW = 0.6
-CLAY_NAME, PAINT = "Studio Clay", "Studio Paint"
+MARK = (0.8, 0.02, 0.01)
+CLAY_NAME, PAINT, MARK_NAME = "Studio Clay", "Studio Paint", "Studio Mark"
 
 
 class Studio:
@@ -70,6 +71,7 @@ class Studio:
         if not smooth:
             self._mesh.shade_flat()
         self._mesh.materials.append(None)
+        self._mesh.materials.append(_matte(MARK_NAME, _marked))
         self._paint = self._mesh.color_attributes.new(PAINT, "FLOAT_COLOR", "POINT")
         self._add("Subject", self._mesh).matrix_world = obj.matrix_world
         self._add_lights()
@@ -83,7 +85,12 @@ class Studio:
         self.scene.camera = self._add("Camera", camera)
         self.scene.camera.rotation_euler = self._turn.to_euler()
 
-    def shoot(self, vertices: np.ndarray, colors: np.ndarray | None = None) -> Image.Image:
+    def shoot(
+        self,
+        vertices: np.ndarray,
+        colors: np.ndarray | None = None,
+        marked: Sequence[int] | np.ndarray = (),
+    ) -> Image.Image:
         """Photograph the mesh with other vertex positions, centred in the picture.
 
         The scale is that of the mesh's own shape, or smaller where a shape would not fit.
@@ -94,6 +101,8 @@ class Studio:
             Positions in the object's own space.
         colors : (V, 3) array, optional
             Linear red, green and blue of the vertices; otherwise the mesh is clay.
+        marked : sequence of int
+            Faces that are red.
 
         Returns
         -------
@@ -107,6 +116,9 @@ class Studio:
         if colors is not None:
             rgba = np.column_stack([colors, np.ones(len(colors))]).astype(np.float32)
             self._paint.data.foreach_set("color", rgba.ravel())
+        is_marked = np.zeros(len(self._mesh.polygons), dtype=np.int32)
+        is_marked[np.asarray(marked, dtype=int)] = 1
+        self._mesh.polygons.foreach_set("material_index", is_marked)
         self._mesh.update()
         low, high = self._extent(vertices)
         self.scene.camera.data.ortho_scale = max(self._scale, 1.02 * (high - low)[:2].max())
@@ -245,6 +257,13 @@ def _painted(material: bpy.types.Material, shader: bpy.types.ShaderNode) -> None
         material.node_tree.links.new(paint.outputs["Color"], shader.inputs[name])
     shader.inputs["Emission Strength"].default_value = GLOW
     shader.inputs["Specular IOR Level"].default_value = 0
+
+
+def _marked(_material: bpy.types.Material, shader: bpy.types.ShaderNode) -> None:
+    """Red that shows in the shade too."""
+    for name in ("Base Color", "Emission Color"):
+        shader.inputs[name].default_value = (*MARK, 1.0)
+    shader.inputs["Emission Strength"].default_value = GLOW
 
 
 def _matte(

@@ -22,6 +22,8 @@ FIGURES = (
     "sphere_caps",
     "torus_sets",
     "meteorite",
+    "looks",
+    "looks_table",
     "bands",
     "conformal_flows",
     "limbs",

@@ -2,24 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..demo.contact_sheet import Sheet
+from . import figures
+from .hard_surface import box
 from .page import CELL, Shape, save
-from .shapes import creature, from_folder
+from .shapes import creature, from_folder, meteorite, monkey, terrain
 
 # How the meshes that the paper shows, or that stand in for them, are seen best.
 VIEWS = {
     "armadillo": {"azimuth": 25.0},
     "cheburashka": {"azimuth": 20.0},
     "igea": {"azimuth": 10.0, "elevation": 0.0},
+    "lion_head": {"azimuth": 15.0, "elevation": 0.0},
     "michael0": {"azimuth": 15.0},
     "michael4": {"azimuth": 15.0},
     "michael13": {"azimuth": 15.0},
     "michael16": {"azimuth": 15.0},
+    "spot": {"azimuth": 40.0},
+    "stanford_bunny": {"azimuth": 15.0},
 }
+GENERATED: dict[str, Callable[[], Shape]] = {
+    "dragon": creature,
+    "man": figures.man,
+    "dressed": figures.dressed,
+    "bust": figures.bust,
+    "suzanne": monkey,
+    "stone": meteorite,
+    "box": box,
+    "terrain": terrain,
+}
+THEIRS = (
+    "armadillo",
+    "michael0",
+    "michael13",
+    "cheburashka",
+    "spot",
+    "igea",
+    "lion_head",
+    "stanford_bunny",
+)
 
 
 @dataclass(frozen=True)
@@ -46,3 +71,14 @@ class Gallery:
         is_own = subject in ("", "creature")
         file = f"{name}.png" if is_own else f"meshes/{name}_{subject}.png"
         save(self.output / file, sheets, cell)
+
+    def models(self) -> Iterator[tuple[str, Shape, bool]]:
+        """Shapes of the kinds that artists have, each with its name and whether it is generated:
+        figures, a bust, scans, a machine, a landscape; then those of the folder.
+        """
+        for name, make in GENERATED.items():
+            yield name, make(), True
+        for name in THEIRS:
+            shape = self.mesh(name)
+            if shape is not None:
+                yield name, shape, False

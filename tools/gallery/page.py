@@ -14,6 +14,9 @@ from PIL import Image, ImageDraw
 from ..demo.contact_sheet import INK, RULE, Sheet, compose
 from ..demo.studio import Studio, temporary_data
 
+# Positions, colors of vertices, marked faces.
+Shot = tuple[np.ndarray, np.ndarray | None] | tuple[np.ndarray, np.ndarray | None, np.ndarray]
+
 CELL = 170
 SAMPLES = 16
 SHADES = 192
@@ -36,10 +39,10 @@ class Shape:
         """The same for the library."""
         return spectral_tv.Mesh(self.vertices, self.triangles)
 
-    def photograph(
-        self, shots: Sequence[tuple[np.ndarray, np.ndarray | None]], cell: int = CELL
-    ) -> list[Image.Image]:
-        """Photographs of (positions, linear colors or None), all at the scale of the shape."""
+    def photograph(self, shots: Sequence[Shot], cell: int = CELL) -> list[Image.Image]:
+        """Photographs of (positions, linear colors or None, faces marked, if any), all at the
+        scale of the shape.
+        """
         with temporary_data():
             data = bpy.data.meshes.new("Shape")
             data.from_pydata(self.vertices.tolist(), [], self.triangles.tolist())
@@ -52,11 +55,18 @@ class Shape:
                 samples=SAMPLES,
                 smooth=self.smooth,
             )
-            return [studio.shoot(vertices, colors) for vertices, colors in shots]
+            return [studio.shoot(*shot) for shot in shots]
 
     def positions(self, shapes: Sequence[np.ndarray], cell: int = CELL) -> list[Image.Image]:
         """Photographs of positions in clay."""
         return self.photograph([(shape, None) for shape in shapes], cell)
+
+    def folds(self, shapes: Sequence[np.ndarray], cell: int = CELL) -> list[Image.Image]:
+        """Photographs of positions in clay, with faces in red that are folded over."""
+        mesh = self.mesh
+        folded = [spectral_tv.folds(mesh, shape - self.vertices).flipped for shape in shapes]
+        shots = [(shape, None, faces) for shape, faces in zip(shapes, folded, strict=True)]
+        return self.photograph(shots, cell)
 
     def painted(self, colors: Sequence[np.ndarray], cell: int = CELL) -> list[Image.Image]:
         """Photographs of the shape itself in several colorings."""
@@ -93,8 +103,8 @@ def plot(
     return page.resize((cell, cell), Image.Resampling.LANCZOS)
 
 
-def save(path: Path, sheets: Sequence[Sheet], cell: int = CELL) -> None:
+def save(path: Path, sheets: Sequence[Sheet], cell: int = CELL, shades: int = SHADES) -> None:
     """Lay pictures out and write them as a small PNG."""
     page = compose(sheets, cell, lambda shown: shown)
     path.parent.mkdir(parents=True, exist_ok=True)
-    page.quantize(SHADES, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+    page.quantize(shades, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)

@@ -25,7 +25,7 @@ def sinc(n_around: int = 72, n_along: int = 190) -> Shape:
 def sphere(subdivisions: int = 5) -> Shape:
     """The unit sphere."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions + 1)
-    return _taken(bpy.context.object)
+    return taken(bpy.context.object)
 
 
 def torus(major: float = 2.0, minor: float = 0.7, n_around: int = 200, n_tube: int = 70) -> Shape:
@@ -59,9 +59,35 @@ def meteorite() -> Shape:
 
 
 @cache
+def terrain(n: int = 150) -> Shape:
+    """Mountains with ridges, an open sheet."""
+    x, y = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij")
+    rng = np.random.default_rng(1)
+    height = np.zeros_like(x)
+    for frequency in (3, 6, 12, 24, 48):
+        for _ in range(5):
+            along, across = _direction(rng)[:2]
+            wave = np.sin(frequency * (x * along + y * across) + rng.uniform(0, 6))
+            height -= 0.24 / frequency * np.abs(wave)
+    points = np.stack([x, y, height], axis=-1).reshape(-1, 3)
+    triangles = lattice(n, n, wrap=(False, False))
+    return Shape(points - points.mean(axis=0), triangles, azimuth=30, elevation=38)
+
+
+@cache
+def monkey() -> Shape:
+    """Blender's Suzanne, subdivided; her eyes and her head are open surfaces of their own."""
+    bpy.ops.mesh.primitive_monkey_add()
+    obj = bpy.context.object
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 3
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    return taken(obj, azimuth=20.0)
+
+
+@cache
 def creature() -> Shape:
     """The demo's dragon."""
-    return _taken(demo_creature())
+    return taken(demo_creature())
 
 
 def poses() -> list[Shape]:
@@ -88,16 +114,16 @@ def from_folder(folder: Path | None, name: str, **view: float) -> Shape | None:
     if not files:
         return None
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    return replace(_taken(import_mesh(files[0])), **view)
+    return taken(import_mesh(files[0]), **view)
 
 
-def _taken(obj: bpy.types.Object) -> Shape:
-    """The triangles of an object, which is removed."""
+def taken(obj: bpy.types.Object, **view: float) -> Shape:
+    """The triangles of an object, which is removed, to be seen from somewhere."""
     data = obj.data
     data.calc_loop_triangles()
     corners = np.empty(3 * len(data.loop_triangles), dtype=np.int32)
     data.loop_triangles.foreach_get("vertices", corners)
-    shape = Shape(vertices_of(data), corners.reshape(-1, 3).astype(np.int64))
+    shape = Shape(vertices_of(data), corners.reshape(-1, 3).astype(np.int64), **view)
     bpy.data.objects.remove(obj)
     bpy.data.meshes.remove(data)
     return shape

@@ -1,0 +1,39 @@
+"""What the gallery calls "as it ships" is what Blender does where nothing is chosen."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import pytest
+import spectral_tv
+from conftest import MODULE
+
+from tools.gallery import shipped
+
+Settings = import_module(f"{MODULE}.bands.settings").Settings
+CaricatureSettings = import_module(f"{MODULE}.bands.caricature").CaricatureSettings
+keywords = import_module(f"{MODULE}.options.declaring").keywords
+caricature_values = import_module(f"{MODULE}.bands.gains").caricature_values
+
+
+def bands_of(settings) -> shipped.Bands:
+    """What the gallery would call the bands of settings, less what is so by default."""
+    options = {**settings.method_arguments(None, None), **keywords(settings)}
+    method = options.pop("method")
+    usual = spectral_tv.DEFAULTS
+    own = {name: value for name, value in options.items() if value != usual.get(name)}
+    return shipped.Bands(method, own, settings.limbs_kept)
+
+
+@pytest.mark.parametrize("method", shipped.SHIPPED)
+def test_bands_of_the_gallery_are_those_by_default(method):
+    settings = Settings(method=method.upper())
+    assert bands_of(settings) == shipped.SHIPPED[method]
+    assert (settings.bands, settings.steps) == (shipped.COUNT, shipped.STEPS)
+
+
+def test_caricature_of_the_gallery_is_that_by_default():
+    asked = CaricatureSettings()
+    assert bands_of(asked.of_bands()) == shipped.CARICATURE
+    values = caricature_values(asked.bands, asked.first, asked.last, asked.amount, asked.smooth)
+    assert tuple(values) == shipped.AMOUNTS
