@@ -1,5 +1,6 @@
 """Keep Limbs: the bands of an object cut anew in their places, as one drags a slider."""
 
+import sys
 from dataclasses import replace
 
 import bpy
@@ -27,8 +28,11 @@ class SpectralTVLimbs(bpy.types.PropertyGroup):
 
     def _set(self, amount: float) -> None:
         obj = _user(self.id_data)
-        if limbs_refusal(obj) is None:
+        reason = limbs_refusal(obj)
+        if reason is None:
             keep_limbs(obj, amount)
+        else:  # the slider is greyed then, so it was a script
+            sys.stderr.write(f"Keep Limbs of {self.id_data.name!r} stays as it is: {reason}\n")
 
     keep: FloatProperty(
         name=OPTION.label,

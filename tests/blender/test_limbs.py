@@ -109,7 +109,7 @@ def test_cut_again_keeps_as_much_unless_it_is_told(body):
     assert np.abs(bands_of(body) - expected(body, 0)).max() < 1e-5
 
 
-def test_a_flow_that_is_gone_leaves_bands_as_they_are(body, tmp_path):
+def test_a_flow_that_is_gone_leaves_bands_as_they_are(body, tmp_path, capfd):
     body.data.spectral_tv_limbs.keep = 0.5
     import_module(f"{MODULE}.bands.bands").flows.clear()  # as when a file is loaded
     again = saved_and_loaded(body, tmp_path / "body.blend")
@@ -118,6 +118,7 @@ def test_a_flow_that_is_gone_leaves_bands_as_they_are(body, tmp_path):
     assert again.data.spectral_tv_limbs.keep == 0.5
     again.data.spectral_tv_limbs.keep = 3
     assert again.data.spectral_tv_limbs.keep == 0.5
+    assert "stays as it is: The flow is no longer in memory" in capfd.readouterr().err
     assert np.array_equal(bands_of(again), before)
 
 

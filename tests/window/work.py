@@ -34,6 +34,7 @@ SHORT_WORK = {
     "filter_image": {"image": "Photo", "steps": FEW},
     "flow_attribute": {"kind": "GROUP", "source": "Half", "steps": FEW},
     "measure_accuracy": {"bands": 3, "steps": FEW},
+    "measure_thickness": {},
     "plot_values": {"kind": "GROUP", "source": "Half", "steps": FEW},
     "test_eigenset": {"group": "Cap"},
 }
