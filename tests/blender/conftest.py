@@ -25,8 +25,9 @@ if not IN_BLENDER:  # the module reads the variable on import; the user's own fi
     _RESOURCES = tempfile.TemporaryDirectory(prefix="spectral_tv_tests_")
     os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES.name
 
-# What its Python lacks packages for; there the command line is judged from outside.
-collect_ignore = ["test_picture_files.py", "test_picture_headers.py"] if IN_BLENDER else []
+# What its Python lacks packages for, or the tools; there the command line is judged from outside.
+OUTSIDE = ["test_gallery_bands.py", "test_picture_files.py", "test_picture_headers.py"]
+collect_ignore = OUTSIDE if IN_BLENDER else []
 
 import bpy  # noqa: E402
 from deform_scene import constrain, dumbbell_object, empty  # noqa: E402
