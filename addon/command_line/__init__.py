@@ -15,13 +15,13 @@ _verbs: list[type[Command]] = []
 
 def run(arguments: list[str]) -> int:
     """Do what the command line says and return the exit code: 0 only if all succeeded."""
-    with streams.may_be_lost(), signals.heeded():
-        try:
+    try:
+        with streams.may_be_lost(), signals.heeded():
             return _run(arguments)
-        except SystemExit as end:  # it would close Blender, and the code would be lost
-            return end.code if isinstance(end.code, int) else 1
-        except KeyboardInterrupt:
-            return signals.code()
+    except SystemExit as end:  # it would close Blender, and the code would be lost
+        return end.code if isinstance(end.code, int) else 1
+    except KeyboardInterrupt:  # also one that came at the beginning or the end of heeding
+        return signals.code()
 
 
 class _Parser(argparse.ArgumentParser):
