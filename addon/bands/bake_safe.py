@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import BoolProperty
 
-from ..job.jobs import Seen
+from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..options.properties import choices_of
 from ..scene.objects import Refusal, distinct_meshes
@@ -57,9 +57,5 @@ class SPECTRAL_TV_OT_bake_safe(JobOperator, choices_of(GuardSettings, "guard"), 
         return Work(prepared.clamping)
 
     def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Clamped) -> str:
-        objects = [seen.again() for seen in prepared.seen]
-        if None in objects:
-            name = prepared.seen[objects.index(None)].name
-            raise Refusal(f"nothing was written, as {name} changed in the meantime")
-        _, done = prepared.clamping.write(objects, result)
+        _, done = prepared.clamping.write(all_unchanged(prepared.seen), result)
         return done

@@ -322,4 +322,3 @@ def _record_bands(
         band = record.bands.add()
         band.take(obj, keeping_of(record).written, name)
         band.given, band.start, band.end = first, start, end
-        band.is_sculpted = False

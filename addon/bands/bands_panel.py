@@ -12,7 +12,6 @@ from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
 from .gains import PRESETS
-from .limbs import limbs_refusal
 from .take_bands import SPECTRAL_TV_OT_take_bands
 
 
@@ -76,7 +75,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         layout: bpy.types.UILayout, context: bpy.types.Context, record: SpectralTVRecord
     ) -> None:
         obj = context.active_object
-        reason = limbs_refusal(obj)
+        reason = operators.cut_refusal(obj)
         row = layout.row()
         row.enabled = reason is None
         row.prop(obj.data.spectral_tv_limbs, "keep", slider=True)

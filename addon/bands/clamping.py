@@ -72,8 +72,6 @@ class Clamped:
 class Work(Chain):
     """The job; its result is a `Clamped`."""
 
-    LAST = 0.25
-
     def __init__(self, clamping: "Clamping") -> None:
         """Clamp, and look for triangles that cross."""
         self._clamping = clamping
@@ -81,7 +79,7 @@ class Work(Chain):
         cross = partial(spectral_tv.start_self_intersections, mesh)
         safe = partial(spectral_tv.start_safe_displacement, mesh, added, clamping.stretch)
         starts = [safe, partial(cross, -clamping.taken), partial(cross, added)]
-        super().__init__(starts, self._look)
+        super().__init__(starts, self._look, last_share=0.25)
 
     def _look(self, results: list) -> spectral_tv.Job:
         self._safe, *self._crossing = results

@@ -7,7 +7,7 @@ import bpy
 import spectral_tv
 from bpy.props import BoolProperty
 
-from ..job.jobs import Chain, Seen
+from ..job.jobs import Chain, Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..scene import applied
 from ..scene.notes import note
@@ -54,10 +54,7 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
     def write(
         self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
     ) -> str:
-        objects = [seen.again() for seen in prepared.seen]
-        if None in objects:
-            name = prepared.seen[objects.index(None)].name
-            raise Refusal(f"nothing was written, as {name} changed in the meantime")
+        objects = all_unchanged(prepared.seen)
         if self.shape == "APPLIED":
             objects = [_applied(objects[0], prepared.surfaces[0])]
         with whole(*objects):

@@ -15,7 +15,7 @@ import spectral_tv
 
 from ..scene import mix
 from ..scene.arrays import numbers
-from ..scene.coordinates import coordinates, triangles
+from ..scene.coordinates import basis_coordinates, triangles
 from ..scene.surface import NOWHERE
 
 # How many times its length an edge may become, where nothing else is asked for.
@@ -79,7 +79,7 @@ class Reference:
             return Counts()
         others = [part for part in mix.parts(obj) if part.key not in bands]
         self._take_triangles(obj.data)
-        shape = _points(obj.data.shape_keys.reference_key) + self._moves(obj, others)
+        shape = basis_coordinates(obj.data) + self._moves(obj, others)
         self._take_shape(shape, distortion(obj))
         return self._found(self._moves(obj, moving), STRETCH)
 
@@ -95,8 +95,7 @@ class Reference:
         """How far keys move the vertices, (V, 3)."""
         moved = np.zeros((len(obj.data.vertices), 3))
         for part in parts:
-            step = _points(part.key)
-            step -= _points(part.key.relative_key)
+            step = mix.key_displacement(part.key)
             name = part.key.vertex_group
             if name:
                 if name not in self._masks:
@@ -140,11 +139,6 @@ class Reference:
         found = spectral_tv.folds(self._mesh, moved, stretch)
         folded, stretched = (self._faces[each] for each in (found.flipped, found.stretched))
         return Counts(len(np.unique(folded)), len(np.unique(stretched)))
-
-
-def _points(key: bpy.types.ShapeKey) -> np.ndarray:
-    # By the way that takes a hundredth of the time that ``data`` does.
-    return coordinates(key.points).reshape(-1, 3).astype(np.float64)
 
 
 def distortion(obj: bpy.types.Object) -> np.ndarray | None:

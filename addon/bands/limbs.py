@@ -9,9 +9,9 @@ from bpy.props import FloatProperty
 from ..options.declaring import options_of
 from ..scene.fingerprints import Likeness
 from ..scene.notes import note
-from ..scene.objects import refusal
 from ..scene.records import keeping_of, recognise_bands, record_of
 from .bands import Flow, displacements, flow_of, flows, settings_of
+from .set_bands import cut_refusal
 from .settings import Settings
 
 OPTION = options_of(Settings)["keep_limbs"]
@@ -28,7 +28,7 @@ class SpectralTVLimbs(bpy.types.PropertyGroup):
 
     def _set(self, amount: float) -> None:
         obj = _user(self.id_data)
-        reason = limbs_refusal(obj)
+        reason = cut_refusal(obj)
         if reason is None:
             keep_limbs(obj, amount)
         else:  # the slider is greyed then, so it was a script
@@ -47,18 +47,6 @@ class SpectralTVLimbs(bpy.types.PropertyGroup):
     )
 
 
-def limbs_refusal(obj: bpy.types.Object | None) -> str | None:
-    """Why bands cannot be cut anew, in a sentence for the user; None if they can."""
-    record = record_of(obj)
-    if record is None:
-        return "The active object has no bands; decompose it first"
-    if (reason := refusal(obj)) is not None:
-        return reason
-    if record.identifier not in flows:
-        return "The flow is no longer in memory; decompose the mesh again"
-    return None
-
-
 def keep_limbs(obj: bpy.types.Object, amount: float) -> None:
     """Cut the bands of an object anew, each in its place, with so much of limbs kept.
 
@@ -72,7 +60,7 @@ def keep_limbs(obj: bpy.types.Object, amount: float) -> None:
         identifier = record_of(other).identifier
         is_other = identifier in flows and identifier != record_of(obj).identifier
         if is_other and flows[identifier].surface.mesh is own.surface.mesh:
-            reason = limbs_refusal(other)
+            reason = cut_refusal(other)
             if reason is None:
                 _keep_limbs(other, flow_of(other), amount)
             else:

@@ -35,6 +35,14 @@ def bands_refusal(obj: bpy.types.Object | None, override: bool = True) -> str | 
     return reason
 
 
+def cut_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why bands cannot be cut anew, in a sentence for the user; None if they can."""
+    reason = bands_refusal(obj, override=False)
+    if reason is None and record_of(obj).identifier not in flows:
+        reason = "The flow is no longer in memory; decompose the mesh again"
+    return reason
+
+
 class BandsOperator(ChangeOperator):
     """What all of them share."""
 
@@ -197,10 +205,7 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        reason = super().refusal(context)
-        if reason is None and record_of(context.active_object).identifier not in flows:
-            return "The flow is no longer in memory; decompose the mesh again"
-        return reason
+        return cut_refusal(context.active_object)
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         cut_again(obj, self.bands, None if self.keep_limbs < 0 else self.keep_limbs)

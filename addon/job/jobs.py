@@ -140,6 +140,15 @@ class Seen:
         return None if refusal(obj) is not None or state_of(obj) != self.state else obj
 
 
+def all_unchanged(seen: Sequence[Seen]) -> list[bpy.types.Object]:
+    """The objects; raises Refusal if one of them is not as it was."""
+    found = [each.again() for each in seen]
+    if None in found:
+        name = seen[found.index(None)].name
+        raise Refusal(f"nothing was written, as {name} changed in the meantime")
+    return found
+
+
 def unchanged(seen: Sequence[Seen]) -> tuple[list[bpy.types.Object | None], str]:
     """The objects that are as they were, None for others, and a text that tells which are not."""
     found = [each.again() for each in seen]

@@ -45,6 +45,8 @@ pub(super) fn keeping_limbs(
     let share = stage.stage(0.0, FLOW_SHARE);
     let trajectory = stepping.run_with(operators, &law, shape.clone(), &times, share)?;
     let cut = ThicknessCut::new(mesh, KEEP_LIMBS, stage.stage(FLOW_SHARE, 1.0))?;
-    let removed = cut.map(|cut| cut.before(&trajectory, duration));
-    Ok(removed.map_or(shape.clone(), |removed| shape - removed))
+    Ok(match cut {
+        None => shape,
+        Some(cut) => shape - cut.before(&trajectory, duration),
+    })
 }

@@ -151,6 +151,40 @@ impl Space {
         ball
     }
 
+    /// The same of at most the radius `size`.
+    fn within(&self, vertex: u32, point: [f64; 3], direction: [f64; 3], size: f64) -> Ball {
+        let mut ball = Ball {
+            center: along(point, size, direction),
+            radius: size,
+            is_either_side: false,
+            vertex,
+            point,
+            contact: point,
+            cosine: 1.0,
+        };
+        // Points are found faster than triangles, and tell enough of where they are dense.
+        let mut distance = 0.0;
+        ball.shrink(direction, |center| {
+            let nearest = self.obstacles.nearest_neighbor(&center)?;
+            distance = nearest.data;
+            Some(*nearest.geom())
+        });
+        let is_opposite = ball.cosine < 0.0;
+        if ball.radius
+            < if is_opposite {
+                2.0 * distance
+            } else {
+                distance
+            }
+        {
+            ball.shrink(direction, |center| {
+                let nearest = self.triangles.nearest_neighbor(&center)?;
+                Some(nearest.nearest(center))
+            });
+        }
+        ball
+    }
+
     /// The largest ball that is found from this one on by moving away from what is nearest, while its
     /// point stays near and faces it: below bumps and folds of the skin that of the body.
     fn grown(&self, ball: Ball) -> Ball {
@@ -188,40 +222,6 @@ impl Space {
             return Some(*point.geom());
         }
         Some(self.triangles.nearest_neighbor(&center)?.nearest(center))
-    }
-
-    /// The same of at most the radius `size`.
-    fn within(&self, vertex: u32, point: [f64; 3], direction: [f64; 3], size: f64) -> Ball {
-        let mut ball = Ball {
-            center: along(point, size, direction),
-            radius: size,
-            is_either_side: false,
-            vertex,
-            point,
-            contact: point,
-            cosine: 1.0,
-        };
-        // Points are found faster than triangles, and tell enough of where they are dense.
-        let mut distance = 0.0;
-        ball.shrink(direction, |center| {
-            let nearest = self.obstacles.nearest_neighbor(&center)?;
-            distance = nearest.data;
-            Some(*nearest.geom())
-        });
-        let is_opposite = ball.cosine < 0.0;
-        if ball.radius
-            < if is_opposite {
-                2.0 * distance
-            } else {
-                distance
-            }
-        {
-            ball.shrink(direction, |center| {
-                let nearest = self.triangles.nearest_neighbor(&center)?;
-                Some(nearest.nearest(center))
-            });
-        }
-        ball
     }
 }
 
