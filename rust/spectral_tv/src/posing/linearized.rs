@@ -1,0 +1,205 @@
+//! The energy near a state: its gradient, and the reweighted Gauss–Newton matrix.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::parallel;
+use crate::posing::field::Field;
+use crate::posing::model::{Goals, Model, Role};
+use crate::posing::state::State;
+
+/// A quadratic model of the energy. Motions are δx and rotation vectors ω.
+pub(super) struct Linearized<'a> {
+    pub model: &'a Model,
+    state: &'a State,
+    /// The gradient by what moves freely.
+    pub gradient: Field,
+    /// Of every face; 0 where it is floating.
+    pub faces: Vec<FaceModel>,
+    /// Of every vertex: what stillness and springs add to the diagonal of δx.
+    pub still: Vec<f64>,
+    springs: &'a [f64],
+}
+
+/// A face's share of the matrix.
+#[derive(Clone)]
+pub(super) struct FaceModel {
+    /// A φ′(e)/e, length².
+    pub weight: f64,
+    /// R̄ T, two columns.
+    pub basis: [Vector3<f64>; 2],
+}
+
+type Corner = [Vector3<f64>; 2];
+
+impl<'a> Linearized<'a> {
+    pub fn new(model: &'a Model, state: &'a State, goals: &'a Goals) -> Self {
+        let gradient = model.operators.gradient();
+        let (triangles, hats) = (gradient.triangles(), gradient.hats());
+        let areas = gradient.face_areas();
+        let of_face = |face: usize| {
+            if !model.is_held(&triangles[face]) {
+                let none = FaceModel {
+                    weight: 0.0,
+                    basis: [Vector3::zeros(); 2],
+                };
+                return (none, [[Vector3::zeros(); 2]; 3]);
+            }
+            let term = model.face_term(face, state);
+            let weight = areas[face] * model.parameters.weight(term.square);
+            // −⟨∇x − R̄ T, [θ] R̄ T⟩ = θ · torque, θ the turn of the mean rotation.
+            let torque = -(0..2)
+                .map(|axis| term.basis[axis].cross(&term.strain[axis]))
+                .sum::<Vector3<f64>>();
+            let upright: f64 = term.apart.iter().map(|q| q.w).sum();
+            let hats = &hats[face];
+            let corner = |i: usize| {
+                let force = hats[i][0] * term.strain[0] + hats[i][1] * term.strain[1];
+                let (w, v) = (term.apart[i].w, term.apart[i].imag());
+                let mut turn = (w * torque + v.cross(&torque)) / upright;
+                for j in (0..3).filter(|&j| j != i) {
+                    let product = hats[i][0] * hats[j][0] + hats[i][1] * hats[j][1];
+                    let (other_w, other) = (term.apart[j].w, term.apart[j].imag());
+                    let between = w * other - other_w * v + v.cross(&other);
+                    turn += 2.0 * model.parameters.stiffness * product * between;
+                }
+                [weight * force, weight * turn]
+            };
+            let face = FaceModel {
+                weight,
+                basis: term.basis,
+            };
+            (face, [corner(0), corner(1), corner(2)])
+        };
+        let (faces, shares): (Vec<_>, Vec<_>) = (0..triangles.len())
+            .into_par_iter()
+            .with_min_len(1 << 11)
+            .map(of_face)
+            .unzip();
+        let mut field = gathered(model, &shares);
+        let masses = model.operators.masses();
+        let parameters = &model.parameters;
+        let still = parallel::values(masses.len(), |vertex| {
+            let moved = state.positions[vertex] - goals.still[vertex];
+            parameters.stillness * masses[vertex]
+                / (moved.norm_squared() + parameters.unmoved).sqrt()
+        });
+        for vertex in 0..masses.len() {
+            let moved = state.positions[vertex] - goals.still[vertex];
+            field.moves[vertex] += still[vertex] * moved;
+            let spring = goals.springs[vertex];
+            if spring > 0.0 {
+                let goal = model.pulled_to(vertex, goals, state);
+                let pull = spring * (state.positions[vertex] - goal);
+                field.moves[vertex] += pull;
+                if let Some(body) = model.pulled_along[vertex] {
+                    let arm = goal - goals.centres[body as usize];
+                    field.bodies[body as usize] -= arm.cross(&pull);
+                }
+            }
+        }
+        model.reduce(state, &mut field);
+        Self {
+            model,
+            state,
+            gradient: field,
+            faces,
+            still,
+            springs: &goals.springs,
+        }
+    }
+
+    /// The matrix times a `field` of what moves freely.
+    pub fn apply(&self, field: &Field) -> Field {
+        let model = self.model;
+        let mut moved = field.clone();
+        model.expand(self.state, &mut moved);
+        let gradient = model.operators.gradient();
+        let (triangles, hats) = (gradient.triangles(), gradient.hats());
+        let of_face = |face: usize| {
+            let FaceModel { weight, basis } = &self.faces[face];
+            let corners = triangles[face].map(|corner| corner as usize);
+            let hats = &hats[face];
+            let turn =
+                (moved.turns[corners[0]] + moved.turns[corners[1]] + moved.turns[corners[2]]) / 3.0;
+            let along = |values: &[Vector3<f64>], axis: usize| {
+                (0..3)
+                    .map(|i| hats[i][axis] * values[corners[i]])
+                    .sum::<Vector3<f64>>()
+            };
+            let strain = [0, 1].map(|axis| along(&moved.moves, axis) - turn.cross(&basis[axis]));
+            let turning = [0, 1].map(|axis| model.parameters.stiffness * along(&moved.turns, axis));
+            let torque = -(basis[0].cross(&strain[0]) + basis[1].cross(&strain[1])) / 3.0;
+            [0, 1, 2].map(|i| {
+                let force = hats[i][0] * strain[0] + hats[i][1] * strain[1];
+                let turn = hats[i][0] * turning[0] + hats[i][1] * turning[1] + torque;
+                [*weight * force, *weight * turn]
+            })
+        };
+        let shares: Vec<[Corner; 3]> = (0..triangles.len())
+            .into_par_iter()
+            .with_min_len(1 << 11)
+            .map(of_face)
+            .collect();
+        let mut product = gathered(model, &shares);
+        for vertex in 0..product.moves.len() {
+            let own = moved.moves[vertex];
+            product.moves[vertex] += self.still[vertex] * own;
+            let spring = self.springs[vertex];
+            if spring > 0.0 {
+                let off = match model.pulled_along[vertex] {
+                    Some(body) => {
+                        let arm = crate::posing::state::rotated(
+                            &self.state.bodies[body as usize],
+                            &model.arms[vertex],
+                        );
+                        let off = own - field.bodies[body as usize].cross(&arm);
+                        product.bodies[body as usize] -= arm.cross(&(spring * off));
+                        off
+                    }
+                    None => own,
+                };
+                product.moves[vertex] += spring * off;
+            }
+        }
+        model.reduce(self.state, &mut product);
+        product
+    }
+
+    /// What stands on the diagonal of δx beside the faces' shares.
+    pub fn diagonal(&self, vertex: usize) -> f64 {
+        self.still[vertex] + self.springs[vertex]
+    }
+
+    /// Where a field of the bodies' arms are turned now.
+    pub fn state(&self) -> &State {
+        self.state
+    }
+
+    /// The spring at a vertex, and the body it pulls along with.
+    pub fn spring(&self, vertex: usize) -> (f64, Option<u32>) {
+        (self.springs[vertex], self.model.pulled_along[vertex])
+    }
+}
+
+/// The sums at every vertex of what its corners have.
+fn gathered(model: &Model, shares: &[[Corner; 3]]) -> Field {
+    let sum = |vertex: usize| {
+        let mut sum = [Vector3::zeros(); 2];
+        if model.roles[vertex] != Role::Floating {
+            for (face, corner) in model.corners.around(vertex) {
+                let [force, turn] = shares[face][corner];
+                sum[0] += force;
+                sum[1] += turn;
+            }
+        }
+        sum
+    };
+    let sums = parallel::values(model.rest.len(), sum);
+    let (moves, turns) = sums.into_iter().map(|[force, turn]| (force, turn)).unzip();
+    Field {
+        moves,
+        turns,
+        bodies: vec![Vector3::zeros(); model.body_count],
+    }
+}
