@@ -15,9 +15,27 @@ pub(super) struct FaceTerm {
     pub basis: [Vector3<f64>; 2],
     /// ∇x − R̄ T, two columns.
     pub strain: [Vector3<f64>; 2],
-    /// e² of strain and of turning, without ε.
+    /// e² of strain, crushing and turning, without ε.
     pub square: f64,
+    /// How the area changes, where it is crushed.
+    pub crushed: Option<Crushed>,
 }
+
+/// A face that is about to turn over.
+#[derive(Debug, Clone)]
+pub(super) struct Crushed {
+    /// How much less the ratio J of areas, in the plane of R̄ T, is than the least that costs
+    /// nothing.
+    pub lack: f64,
+    /// The derivatives of J by the two columns of ∇x, and by a turn of R̄.
+    pub by_columns: [Vector3<f64>; 2],
+    pub by_turn: Vector3<f64>,
+}
+
+/// J below which crushing costs, so that faces do not turn over at the inner side of a joint.
+const LEAST_AREA: f64 = 0.4;
+/// What its square costs in e².
+pub(super) const CRUSHING: f64 = 40.0;
 
 impl Model {
     /// What face `face` is in `state`.
@@ -37,10 +55,20 @@ impl Model {
         let basis = tangents.map(|tangent| rotated(&mean, &tangent));
         let deformed = columns([1, 2].map(|corner| edge(&state.positions, corner)));
         let strain = [0, 1].map(|axis| deformed[axis] - basis[axis]);
+        let normal = basis[0].cross(&basis[1]);
+        let area = deformed[0].cross(&deformed[1]);
+        let lack = LEAST_AREA - normal.dot(&area);
+        let crushed = (lack > 0.0).then(|| Crushed {
+            lack,
+            by_columns: [deformed[1].cross(&normal), normal.cross(&deformed[0])],
+            by_turn: normal.cross(&area),
+        });
         let square = strain[0].norm_squared()
             + strain[1].norm_squared()
+            + CRUSHING * lack.max(0.0).powi(2)
             + self.parameters.stiffness * turning(&apart, hats);
         FaceTerm {
+            crushed,
             apart,
             basis,
             strain,

@@ -123,8 +123,9 @@ fn set(
         .faces
         .iter()
         .zip(areas)
-        .map(|(face, &area)| match area > 0.0 {
-            true => scale * face.weight / area,
+        .enumerate()
+        .map(|(place, (face, &area))| match area > 0.0 {
+            true => scale * linearized.crushing(place) * face.weight / area,
             false => 0.0,
         })
         .collect();
