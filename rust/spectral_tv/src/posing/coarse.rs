@@ -6,7 +6,6 @@ use sprs::CsMatI;
 
 use crate::error::Result;
 use crate::monitor::Stage;
-use crate::posing::energy::CRUSHING;
 use crate::posing::field::Field;
 use crate::posing::linearized::Linearized;
 use crate::posing::model::{Model, Role};
@@ -192,7 +191,8 @@ impl CoarseSystem {
                         .fixed_view_mut::<3, 3>(3, 3)
                         .copy_from(&(spin + Matrix3::from_diagonal_element(turning)));
                     if let Some(derivatives) = &crushed {
-                        block += CRUSHING * derivatives[i] * derivatives[j].transpose();
+                        block +=
+                            model.parameters.crushing * derivatives[i] * derivatives[j].transpose();
                     }
                     let block = maps[i].transpose() * block * maps[j] * term.weight;
                     self.add(a, b, &block);

@@ -34,8 +34,6 @@ pub(super) struct Crushed {
 
 /// J below which crushing costs, so that faces do not turn over at the inner side of a joint.
 const LEAST_AREA: f64 = 0.4;
-/// What its square costs in e².
-pub(super) const CRUSHING: f64 = 40.0;
 
 impl Model {
     /// What face `face` is in `state`.
@@ -58,14 +56,15 @@ impl Model {
         let normal = basis[0].cross(&basis[1]);
         let area = deformed[0].cross(&deformed[1]);
         let lack = LEAST_AREA - normal.dot(&area);
-        let crushed = (lack > 0.0).then(|| Crushed {
+        let crushing = self.parameters.crushing;
+        let crushed = (lack > 0.0 && crushing > 0.0).then(|| Crushed {
             lack,
             by_columns: [deformed[1].cross(&normal), normal.cross(&deformed[0])],
             by_turn: normal.cross(&area),
         });
         let square = strain[0].norm_squared()
             + strain[1].norm_squared()
-            + CRUSHING * lack.max(0.0).powi(2)
+            + crushing * lack.max(0.0).powi(2)
             + self.parameters.stiffness * turning(&apart, hats);
         FaceTerm {
             crushed,

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::parallel;
-use crate::posing::energy::{CRUSHING, Crushed};
+use crate::posing::energy::Crushed;
 use crate::posing::field::Field;
 use crate::posing::model::{Goals, Model, Role};
 use crate::posing::state::State;
@@ -57,7 +57,7 @@ impl<'a> Linearized<'a> {
                 .sum::<Vector3<f64>>();
             let mut stress = term.strain;
             if let Some(crushed) = &term.crushed {
-                let push = -CRUSHING * crushed.lack;
+                let push = -model.parameters.crushing * crushed.lack;
                 for (stress, derivative) in stress.iter_mut().zip(&crushed.by_columns) {
                     *stress += push * derivative;
                 }
@@ -150,7 +150,7 @@ impl<'a> Linearized<'a> {
             let mut torque = -(basis[0].cross(&strain[0]) + basis[1].cross(&strain[1])) / 3.0;
             if let Some(crushed) = crushed {
                 let by_columns = &crushed.by_columns;
-                let change = CRUSHING
+                let change = model.parameters.crushing
                     * (by_columns[0].dot(&columns[0])
                         + by_columns[1].dot(&columns[1])
                         + crushed.by_turn.dot(&turn));
@@ -200,7 +200,7 @@ impl<'a> Linearized<'a> {
         match &self.faces[face].crushed {
             Some(crushed) => {
                 let squares = crushed.by_columns.iter().map(Vector3::norm_squared);
-                1.0 + CRUSHING * squares.sum::<f64>()
+                1.0 + self.model.parameters.crushing * squares.sum::<f64>()
             }
             None => 1.0,
         }

@@ -34,6 +34,8 @@ const ENOUGH: f64 = 1e-4;
 const HALVINGS: usize = 12;
 /// A movement, relative to the diagonal, after which conjugate gradients take over.
 const NEAR: f64 = 2e-3;
+/// A cycle that leaves more of the energy than this is the last.
+const WORTH_IT: f64 = 0.95;
 const MOST_UPDATES: usize = 40;
 const MOST_NEWTON: usize = 200;
 const MOST_INNER: usize = 60;
@@ -129,7 +131,7 @@ impl Poser {
                 .collect(),
             body_count: handles.bodies.len(),
             corners: Corners::new(decimated.vertices.len(), coarse_mesh.triangles()),
-            parameters,
+            parameters: parameters.coarse(),
         };
         let fine = Model {
             operators: Discretization::new_with(mesh, stage)?,
@@ -169,7 +171,7 @@ impl Poser {
         settings.check()?;
         let parameters = Parameters::new(&settings, self.handles.diagonal());
         self.fine.parameters = parameters;
-        self.coarse.parameters = parameters;
+        self.coarse.parameters = parameters.coarse();
         Ok(())
     }
 
@@ -208,10 +210,16 @@ impl Poser {
         check_tolerance(tolerance)?;
         let mut iterations = 0;
         let mut movement = f64::INFINITY;
+        let mut energy = f64::INFINITY;
         while movement > NEAR * self.handles.diagonal() && iterations < MOST_UPDATES {
             let (goals, motion) = self.handles.goals(positions)?;
             movement = self.update(goals, motion, DRAG_STEPS, stage)?;
             iterations += 1;
+            let next = self.fine.value(&self.state, &self.goals);
+            if next > WORTH_IT * energy {
+                break;
+            }
+            energy = next;
         }
         let mut decrement = f64::INFINITY;
         for _ in 0..MOST_NEWTON {
