@@ -85,28 +85,32 @@ impl Model {
                 .map(|face| areas[face] * self.parameters.cost(self.face_term(face, state).square))
                 .sum()
         });
+        faces + self.value_at_vertices(state, goals)
+    }
+
+    /// What stillness and springs cost, length².
+    pub fn value_at_vertices(&self, state: &State, goals: &Goals) -> f64 {
         let masses = self.operators.masses();
-        let vertices = parallel::sum(masses.len(), |range| {
+        let of_vertex = |vertex: usize| {
+            let moved = state.positions[vertex] - goals.still[vertex];
+            let still = self.parameters.stillness
+                * masses[vertex]
+                * self.parameters.moved(moved.norm_squared());
+            let spring = match goals.springs[vertex] > 0.0 {
+                true => {
+                    let off = state.positions[vertex] - self.pulled_to(vertex, goals, state);
+                    0.5 * goals.springs[vertex] * off.norm_squared()
+                }
+                false => 0.0,
+            };
+            still + spring
+        };
+        parallel::sum(masses.len(), |range| {
             range
                 .filter(|&vertex| self.roles[vertex] != Role::Floating)
-                .map(|vertex| {
-                    let moved = state.positions[vertex] - goals.still[vertex];
-                    let still = self.parameters.stillness
-                        * masses[vertex]
-                        * self.parameters.moved(moved.norm_squared());
-                    let spring = match goals.springs[vertex] > 0.0 {
-                        true => {
-                            let off =
-                                state.positions[vertex] - self.pulled_to(vertex, goals, state);
-                            0.5 * goals.springs[vertex] * off.norm_squared()
-                        }
-                        false => 0.0,
-                    };
-                    still + spring
-                })
+                .map(of_vertex)
                 .sum()
-        });
-        faces + vertices
+        })
     }
 
     /// Whether a face is of a component with a handle.
@@ -118,7 +122,7 @@ impl Model {
 impl Parameters {
     /// φ(e) − φ(ε).
     #[inline]
-    fn cost(&self, square: f64) -> f64 {
+    pub fn cost(&self, square: f64) -> f64 {
         let e = (square + self.unstrained).sqrt();
         // Of differences, so that digits are left near rest.
         square / (e + self.unstrained.sqrt()) + 0.5 * self.softness * square

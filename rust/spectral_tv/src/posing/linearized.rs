@@ -13,6 +13,8 @@ use crate::posing::state::State;
 pub(super) struct Linearized<'a> {
     pub model: &'a Model,
     state: &'a State,
+    /// E, as [`Model::value`] gives it.
+    pub value: f64,
     /// The gradient by what moves freely.
     pub gradient: Field,
     /// Of every face; 0 where it is floating.
@@ -31,6 +33,8 @@ pub(super) struct FaceModel {
     pub basis: [Vector3<f64>; 2],
     /// Where the face is crushed.
     pub crushed: Option<Box<Crushed>>,
+    /// A φ(e), length².
+    cost: f64,
 }
 
 type Corner = [Vector3<f64>; 2];
@@ -46,6 +50,7 @@ impl<'a> Linearized<'a> {
                     weight: 0.0,
                     basis: [Vector3::zeros(); 2],
                     crushed: None,
+                    cost: 0.0,
                 };
                 return (none, [[Vector3::zeros(); 2]; 3]);
             }
@@ -79,16 +84,20 @@ impl<'a> Linearized<'a> {
             };
             let face = FaceModel {
                 weight,
+                cost: areas[face] * model.parameters.cost(term.square),
                 basis: term.basis,
                 crushed: term.crushed.map(Box::new),
             };
             (face, [corner(0), corner(1), corner(2)])
         };
-        let (faces, shares): (Vec<_>, Vec<_>) = (0..triangles.len())
+        let (faces, shares): (Vec<FaceModel>, Vec<_>) = (0..triangles.len())
             .into_par_iter()
             .with_min_len(1 << 11)
             .map(of_face)
             .unzip();
+        let value = parallel::sum(faces.len(), |range| {
+            faces[range].iter().map(|face| face.cost).sum()
+        }) + model.value_at_vertices(state, goals);
         let mut field = gathered(model, &shares);
         let masses = model.operators.masses();
         let parameters = &model.parameters;
@@ -97,10 +106,9 @@ impl<'a> Linearized<'a> {
             parameters.stillness * masses[vertex]
                 / (moved.norm_squared() + parameters.unmoved).sqrt()
         });
-        for vertex in 0..masses.len() {
+        for (vertex, &spring) in goals.springs.iter().enumerate() {
             let moved = state.positions[vertex] - goals.still[vertex];
             field.moves[vertex] += still[vertex] * moved;
-            let spring = goals.springs[vertex];
             if spring > 0.0 {
                 let goal = model.pulled_to(vertex, goals, state);
                 let pull = spring * (state.positions[vertex] - goal);
@@ -115,6 +123,7 @@ impl<'a> Linearized<'a> {
         Self {
             model,
             state,
+            value,
             gradient: field,
             faces,
             still,
@@ -134,6 +143,7 @@ impl<'a> Linearized<'a> {
                 weight,
                 basis,
                 crushed,
+                ..
             } = &self.faces[face];
             let corners = triangles[face].map(|corner| corner as usize);
             let hats = &hats[face];

@@ -67,7 +67,11 @@ impl Smoother {
             }
         }
         let stiffness = model.parameters.stiffness;
-        let diagonal = |vertex: usize| masses[vertex];
+        // A vertex of no face that counts is turned by nothing.
+        let diagonal = |vertex: usize| match masses[vertex] {
+            mass if mass > 0.0 => mass,
+            _ => 1.0,
+        };
         set(
             &mut self.turns,
             linearized,
