@@ -134,7 +134,8 @@ impl Poser {
             iterations += 1;
             left *= PROGRESS;
             stage.report(1.0 - left)?;
-            if decrement <= tolerance {
+            // No step helps where corners of a face are half a turn apart: either way is as short.
+            if decrement <= tolerance || movement == 0.0 {
                 break;
             }
         }

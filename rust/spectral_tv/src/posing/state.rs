@@ -42,7 +42,7 @@ pub(super) fn rotated(rotation: &Quaternion<f64>, arm: &Vector3<f64>) -> Vector3
 #[inline]
 pub(super) fn normalized(sum: Quaternion<f64>) -> Quaternion<f64> {
     let norm = sum.norm();
-    match norm > 1e-12 {
+    match norm > f64::MIN_POSITIVE {
         true => sum / norm,
         false => Quaternion::identity(),
     }
