@@ -1,6 +1,6 @@
 //! A mesh that is posed again and again.
 
-use nalgebra::{Quaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use ndarray::Array2;
 
 use crate::deformation::require;
@@ -21,7 +21,7 @@ use crate::posing::model::{Corners, Goals, Model, Parameters, Role};
 use crate::posing::outcome::Pose;
 use crate::posing::settings::Settings;
 use crate::posing::smoother::Smoother;
-use crate::posing::state::{State, rotated};
+use crate::posing::state::{Snapshot, State, quaternions, rotated};
 
 /// Vertices of the coarse mesh.
 const COARSE: usize = 800;
@@ -38,6 +38,8 @@ const MOST_UPDATES: usize = 40;
 const MOST_NEWTON: usize = 200;
 const MOST_INNER: usize = 60;
 const INNER_TOLERANCE: f64 = 0.1;
+/// Progress is shown as nearing the end by this factor an iteration.
+const PROGRESS: f64 = 0.87;
 
 /// A mesh, its handles, and its last pose, from which the next one starts.
 pub struct Poser {
@@ -47,7 +49,10 @@ pub struct Poser {
     lift: Lift,
     system: CoarseSystem,
     smoother: Smoother,
+    settings: Settings,
     state: State,
+    /// The targets of the last step, and what follows from them; `None` at rest.
+    targets: Option<Vec<[f64; 3]>>,
     goals: Goals,
     motion: Motion,
 }
@@ -152,6 +157,8 @@ impl Poser {
             system: CoarseSystem::new(&coarse, stage)?,
             smoother: Smoother::new(&fine, stage)?,
             motion: Motion::none(),
+            targets: None,
+            settings,
             goals,
             state,
             lift,
@@ -170,6 +177,34 @@ impl Poser {
         let parameters = Parameters::new(&settings, self.handles.diagonal());
         self.fine.parameters = parameters;
         self.coarse.parameters = parameters;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// The parameters.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// The last pose; `None` if there is none to start from. Another poser that is given it goes
+    /// on alike.
+    pub fn state(&self) -> Option<Snapshot> {
+        let targets = self.targets.as_deref()?;
+        Some(self.state.snapshot(targets))
+    }
+
+    /// Goes on from the state of another poser of the same mesh and handles.
+    ///
+    /// # Errors
+    /// If it is not of as many vertices, handles and free bodies, a number is not finite, or
+    /// beyond 1e100, or a quaternion is not of length 1.
+    pub fn set_state(&mut self, snapshot: Snapshot) -> Result<()> {
+        let (vertices, bodies) = (self.fine.rest.len(), self.fine.body_count);
+        let mut state = State::of(&snapshot, vertices, bodies)?;
+        (self.goals, self.motion) = self.handles.goals(&snapshot.targets)?;
+        self.fine.place(&self.goals, &mut state);
+        self.state = state;
+        self.targets = Some(snapshot.targets);
         Ok(())
     }
 
@@ -181,8 +216,7 @@ impl Poser {
     /// vertex differ, or a system cannot be solved.
     pub fn drag(&mut self, positions: &[[f64; 3]]) -> Result<Pose> {
         let monitor = Monitor::new();
-        let (goals, motion) = self.handles.goals(positions)?;
-        let movement = self.update(goals, motion, DRAG_STEPS, monitor.whole())?;
+        let movement = self.update(positions, DRAG_STEPS, monitor.whole())?;
         Ok(self.outcome(f64::NAN, movement, 1))
     }
 
@@ -209,24 +243,68 @@ impl Poser {
         let mut iterations = 0;
         let mut movement = f64::INFINITY;
         while movement > NEAR * self.handles.diagonal() && iterations < MOST_UPDATES {
-            let (goals, motion) = self.handles.goals(positions)?;
-            movement = self.update(goals, motion, DRAG_STEPS, stage)?;
+            movement = self.update(positions, DRAG_STEPS, stage)?;
             iterations += 1;
+            stage.report(1.0 - PROGRESS.powi(iterations as i32))?;
         }
         let mut decrement = f64::INFINITY;
         for _ in 0..MOST_NEWTON {
             (decrement, movement) = self.newton(tolerance, stage)?;
             iterations += 1;
+            stage.report(1.0 - PROGRESS.powi(iterations as i32))?;
             if decrement <= tolerance {
                 break;
             }
         }
+        stage.report(1.0)?;
         Ok(self.outcome(decrement, movement, iterations))
+    }
+
+    /// Stationary poses for a sequence of targets, each starting from the one before.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`crate::Error::Memory`] at once if all of them do not fit.
+    pub fn solve_sequence(
+        &mut self,
+        sequence: &[Vec<[f64; 3]>],
+        tolerance: f64,
+    ) -> Result<Vec<Pose>> {
+        self.solve_sequence_with(sequence, tolerance, Monitor::new().whole())
+    }
+
+    /// [`Self::solve_sequence`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::solve_sequence`]; [`crate::Error::Cancelled`] as [`Self::solve_with`].
+    pub fn solve_sequence_with(
+        &mut self,
+        sequence: &[Vec<[f64; 3]>],
+        tolerance: f64,
+        stage: Stage,
+    ) -> Result<Vec<Pose>> {
+        check_tolerance(tolerance)?;
+        let (vertices, count) = (self.fine.rest.len(), sequence.len());
+        let faces = self.fine.operators.gradient().face_areas().len();
+        stage.require(
+            needs::poses(needs::Size::new(vertices, faces), count),
+            &format!("posing {vertices} vertices {count} times"),
+            "take fewer at a time, or a mesh of fewer vertices",
+        )?;
+        let end = |index: usize| index as f64 / count as f64;
+        let solve = |(index, positions): (usize, &Vec<[f64; 3]>)| {
+            self.solve_with(
+                positions,
+                tolerance,
+                stage.stage(end(index), end(index + 1)),
+            )
+        };
+        sequence.iter().enumerate().map(solve).collect()
     }
 
     /// One cycle: the coarse mesh follows the handles, the fine one follows it, and is smoothed.
     /// Returns the largest movement, length.
-    fn update(&mut self, goals: Goals, motion: Motion, steps: usize, stage: Stage) -> Result<f64> {
+    fn update(&mut self, targets: &[[f64; 3]], steps: usize, stage: Stage) -> Result<f64> {
+        let (goals, motion) = self.handles.goals(targets)?;
         let before = self.lift.injected(&self.state);
         // What the coarse gradient lacks, so that a stationary fine pose stays (Nash 2000, "A
         // multigrid approach to discretized optimization problems").
@@ -241,8 +319,9 @@ impl Poser {
             lack
         };
         let carried = self.motion.to(&motion);
-        let last = self.state.clone();
-        carry(&mut self.state, &carried);
+        // Of a copy, as the work may end before the motion is kept, too.
+        let mut moved = self.state.clone();
+        carry(&mut moved, &carried);
         let mut coarse = before;
         carry(&mut coarse, &carried);
         for vectors in [&mut lack.moves, &mut lack.turns, &mut lack.bodies] {
@@ -280,8 +359,10 @@ impl Poser {
             }
             coarse = next;
         }
-        self.state = self.lift.carry(&self.state, &start, &coarse);
+        let next = self.lift.carry(&moved, &start, &coarse);
+        let last = std::mem::replace(&mut self.state, next);
         (self.goals, self.motion) = (goals, motion);
+        self.targets = Some(targets.to_vec());
         self.fine.place(&self.goals, &mut self.state);
         self.smooth(stage)?;
         Ok(largest_movement(&last, &self.state))
@@ -434,17 +515,14 @@ impl Poser {
         let mut displacement = Array2::from_shape_fn((3, rest.len()), |(axis, vertex)| {
             self.state.positions[vertex][axis] - rest[vertex][axis]
         });
-        self.handles.constraints.floating.carry(&mut displacement);
-        let rotations = Array2::from_shape_fn((4, rest.len()), |(part, vertex)| {
-            let rotation: &Quaternion<f64> = &self.state.rotations[vertex];
-            match part {
-                0 => rotation.w,
-                part => rotation.imag()[part - 1],
-            }
+        let mut rotations = self.state.rotations.clone();
+        let floating = &self.handles.constraints.floating;
+        floating.carry_and(&mut displacement, |vertex, turn| {
+            rotations[vertex] = UnitQuaternion::from_rotation_matrix(turn).into_inner();
         });
         Pose {
             displacement,
-            rotations,
+            rotations: quaternions(&rotations),
             energy: self.fine.value(&self.state, &self.goals),
             decrement,
             movement,
