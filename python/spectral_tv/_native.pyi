@@ -223,9 +223,7 @@ def start_pose(
     targets: ArrayLike,
     weights: ArrayLike | None,
     bodies: ArrayLike | None,
-    joint_softness: float,
-    stiffness: float,
-    stillness: float,
+    parameters: Mapping[str, Any],
     tolerance: float,
 ) -> Job[Pose]: ...
 def start_safe_displacement(

@@ -71,9 +71,12 @@ def pose(
     MemoryError
         If the work takes more than is available, before it starts.
     """
-    return _native.start_pose(
-        mesh, indices, targets, weights, bodies, joint_softness, stiffness, stillness, tolerance
-    )
+    parameters = {
+        "joint_softness": joint_softness,
+        "stiffness": stiffness,
+        "stillness": stillness,
+    }
+    return _native.start_pose(mesh, indices, targets, weights, bodies, parameters, tolerance)
 
 
 start_pose = starting(pose)

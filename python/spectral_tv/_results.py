@@ -227,11 +227,12 @@ class Pose(_Result):
         and its negative are the same rotation.
     energy : float
         What the pose costs, length²: 0 if all is at rest, or moves rigidly with its handles.
-    decrement : float
+    decrement : float | None
         By how much a quadratic model of the energy, at the pose before the last step, predicts
         that the energy could be less, relative to itself. A small one certifies that the pose is
         nearly stationary: no small change lowers the energy. As the energy is not convex, it does
-        not prove that no other pose costs less. NaN after `Poser.drag`, which does not compute it.
+        not prove that no other pose costs less. It is above the tolerance where the iterations did
+        not suffice, and None after `Poser.drag`, which does not compute it.
     movement : float
         The largest movement of a vertex in the last iteration, length.
     iterations : int
@@ -244,7 +245,7 @@ class Pose(_Result):
     vertices: Numbers = field(repr=False)
     rotations: Numbers = field(repr=False)
     energy: float
-    decrement: float
+    decrement: float | None
     movement: float
     iterations: int
     unconstrained: NDArray[np.int64] = field(repr=False)

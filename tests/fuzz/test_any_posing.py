@@ -18,7 +18,7 @@ def assert_posed(posed, vertices, indices, targets, is_fixed):
     assert np.isfinite(posed.vertices).all()
     np.testing.assert_allclose(np.linalg.norm(posed.rotations, axis=1), 1, rtol=1e-6)
     assert 0 <= posed.energy < np.inf
-    assert np.isnan(posed.decrement) or 0 <= posed.decrement < np.inf
+    assert posed.decrement is None or 0 <= posed.decrement < np.inf
     size = max(np.abs(vertices).max(), np.abs(targets).max())
     places = posed.vertices[indices[is_fixed]]
     np.testing.assert_allclose(places, targets[is_fixed], rtol=0, atol=1e-8 * size)

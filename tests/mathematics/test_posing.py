@@ -281,7 +281,7 @@ def test_the_decrement_reaches_the_tolerance_and_the_energy_falls(body):
         energies.append(posed.energy)
     assert energies == sorted(energies, reverse=True)
     assert energies[1] == pytest.approx(energies[2], rel=1e-2)
-    assert np.isnan(spectral_tv.Poser(mesh, handles).drag(targets).decrement)
+    assert spectral_tv.Poser(mesh, handles).drag(targets).decrement is None
 
 
 def test_parameters_do_what_they_are_named_after(body):

@@ -47,7 +47,7 @@ impl Grips {
         }
         assert_finite("energy and movement", [&posed.energy, &posed.movement]);
         assert!(posed.energy >= 0.0 && posed.movement >= 0.0);
-        assert!(posed.decrement.is_nan() || posed.decrement >= 0.0);
+        assert!(posed.decrement.is_none_or(|decrement| decrement >= 0.0));
         let bodies = self.bodies(mesh);
         let is_fixed = |entry: usize| bodies.as_ref().is_none_or(|bodies| bodies[entry] == -1);
         let displacement = &posed.displacement;

@@ -144,7 +144,7 @@ impl Poser {
     /// Returns
     /// -------
     /// Pose
-    ///     Its decrement is NaN: it is not computed.
+    ///     Its decrement is None: it is not computed.
     ///
     /// Raises
     /// ------

@@ -12,7 +12,7 @@ use crate::error::Failure;
 use crate::handles::Handles;
 use crate::job::Job;
 use crate::mesh::Mesh;
-use crate::parameters;
+use crate::parameters::{self, Number};
 use crate::shape::Shape;
 
 /// The decrement that is reached unless another is asked for.
@@ -26,6 +26,16 @@ pub fn defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     defaults.set_item("stillness", known.stillness)?;
     defaults.set_item("tolerance", TOLERANCE)?;
     Ok(defaults)
+}
+
+/// The parameters by their names.
+fn settings(parameters: &Bound<'_, PyDict>) -> PyResult<Settings> {
+    let number = |name: &str| f64::read(name, &parameters.as_any().get_item(name)?);
+    Ok(Settings {
+        joint_softness: number("joint_softness")?,
+        stiffness: number("stiffness")?,
+        stillness: number("stillness")?,
+    })
 }
 
 /// A number for each constraint: of the rigid body it is in, −1 for none.
@@ -57,16 +67,10 @@ pub fn start_pose(
     targets: &Bound<'_, PyAny>,
     weights: Option<&Bound<'_, PyAny>>,
     bodies: Option<&Bound<'_, PyAny>>,
-    #[pyo3(from_py_with = parameters::joint_softness)] joint_softness: f64,
-    #[pyo3(from_py_with = parameters::stiffness)] stiffness: f64,
-    #[pyo3(from_py_with = parameters::stillness)] stillness: f64,
+    parameters: &Bound<'_, PyDict>,
     #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
 ) -> Result<Job, Failure> {
-    let settings = Settings {
-        joint_softness,
-        stiffness,
-        stillness,
-    };
+    let settings = settings(parameters)?;
     let bodies = self::bodies(bodies)?;
     let handles = Handles::new(mesh, indices, weights)?;
     let handles = handles.turning(indices.py(), mesh, bodies.as_deref())?;

@@ -1,6 +1,6 @@
 //! The Gauss–Newton matrix of a coarse mesh, factorized.
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, Vector6};
 use ndarray::Array2;
 use sprs::CsMatI;
 
@@ -162,6 +162,14 @@ impl CoarseSystem {
             let maps = corners.map(map);
             let lean = [0, 1, 2]
                 .map(|i| ((hats[i][0] * basis[0] + hats[i][1] * basis[1]) / 3.0).cross_matrix());
+            let crushed = term.crushed.as_ref().map(|crushed| {
+                [0, 1, 2].map(|i| {
+                    let by_columns = &crushed.by_columns;
+                    let moved = hats[i][0] * by_columns[0] + hats[i][1] * by_columns[1];
+                    let turned = crushed.by_turn / 3.0;
+                    Vector6::from_iterator(moved.iter().chain(&turned).copied())
+                })
+            });
             for i in 0..3 {
                 for j in 0..3 {
                     let (Some(a), Some(b)) = (self.node_of[corners[i]], self.node_of[corners[j]])
@@ -182,6 +190,10 @@ impl CoarseSystem {
                     block
                         .fixed_view_mut::<3, 3>(3, 3)
                         .copy_from(&(spin + Matrix3::from_diagonal_element(turning)));
+                    if let Some(derivatives) = &crushed {
+                        block +=
+                            model.parameters.crushing * derivatives[i] * derivatives[j].transpose();
+                    }
                     let block = maps[i].transpose() * block * maps[j] * term.weight;
                     self.add(a, b, &block);
                 }

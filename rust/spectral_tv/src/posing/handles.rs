@@ -5,10 +5,11 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use crate::deformation::{Constraints, nearest_rotation};
 use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
+use crate::posing::current::Current;
 use crate::posing::model::{Goals, Role};
-use crate::posing::state::rotated;
+use crate::posing::state::{State, rotated};
 
-/// What the rest of the mesh counts, relative to the handles, in finding what stays still.
+/// What no turn counts, relative to the handles, in finding what they have in common.
 const PRIOR: f64 = 0.1;
 /// Off the common motion by no more than this, relative to the diagonal, is on it.
 const ON_IT: f64 = 1e-7;
@@ -34,6 +35,9 @@ pub(super) struct Body {
     pub centre: Vector3<f64>,
 }
 
+/// What a point counts, where it is at rest, and where it goes.
+type Pair = (f64, Vector3<f64>, Vector3<f64>);
+
 /// A rigid motion: turns, then moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Motion {
@@ -51,6 +55,19 @@ impl Motion {
 
     pub fn applied(&self, point: &Vector3<f64>) -> Vector3<f64> {
         rotated(&self.rotation, point) + self.translation
+    }
+
+    /// Moves a whole state.
+    pub fn carry(&self, state: &mut State) {
+        if *self == Self::none() {
+            return;
+        }
+        for position in &mut state.positions {
+            *position = self.applied(position);
+        }
+        for rotation in state.rotations.iter_mut().chain(&mut state.bodies) {
+            *rotation = (self.rotation * *rotation).normalize();
+        }
     }
 
     /// What leads from this one to `next`.
@@ -186,6 +203,21 @@ impl Handles {
         self.diagonal
     }
 
+    /// Where all is before anything moves.
+    pub(super) fn at_rest(&self) -> Current {
+        Current {
+            state: State::at_rest(&self.rest, self.bodies.len()),
+            goals: Goals {
+                positions: self.rest.clone(),
+                still: self.rest.clone(),
+                springs: vec![0.0; self.rest.len()],
+                centres: self.bodies.iter().map(|body| body.centre).collect(),
+            },
+            motion: Motion::none(),
+            targets: None,
+        }
+    }
+
     /// Where target `positions` take what is held, and the motion that most of it has in common.
     pub(super) fn goals(&self, positions: &[[f64; 3]]) -> Result<(Goals, Motion)> {
         let targets = self.constraints.targets(positions)?;
@@ -214,7 +246,7 @@ impl Handles {
     /// The rigid motion of the least Σ m |M p − t| over what is held, which is that of the greater
     /// part if it moves rigidly.
     fn common_motion(&self, positions: &[Vector3<f64>], centres: &[Vector3<f64>]) -> Motion {
-        let mut points: Vec<(f64, Vector3<f64>, Vector3<f64>)> = Vec::new();
+        let mut points: Vec<Pair> = Vec::new();
         let mut body_masses = vec![0.0; self.bodies.len()];
         for (vertex, role) in self.roles.iter().enumerate() {
             match *role {
@@ -230,27 +262,18 @@ impl Handles {
         }
         let total: f64 = points.iter().map(|point| point.0).sum();
         let none = Motion::none();
-        let is_still = |p: &(f64, Vector3<f64>, Vector3<f64>)| p.1 == p.2;
+        let is_still = |p: &Pair| p.1 == p.2;
         let still: f64 = points.iter().filter(|p| is_still(p)).map(|p| p.0).sum();
         if still >= 0.5 * total {
             return none;
         }
-        // What is prior keeps turns about a line or a point from being any.
-        let (least, most) = bounds(&self.rest);
-        for corner in 0..8 {
-            let at = Vector3::from_fn(|axis, _| match corner >> axis & 1 {
-                0 => least[axis],
-                _ => most[axis],
-            });
-            points.push((PRIOR * total / 8.0, at, at));
-        }
         let close = 1e-9 * self.diagonal;
+        // Turns that a line or a point leaves open are none.
+        let prior = PRIOR * total * self.diagonal;
         let mut motion = none;
         for _ in 0..MOST_ITERATIONS {
-            let weight = |p: &(f64, Vector3<f64>, Vector3<f64>)| {
-                p.0 / (motion.applied(&p.1) - p.2).norm().max(close)
-            };
-            let next = fitted(&points, &motion, weight);
+            let weight = |p: &Pair| p.0 / (motion.applied(&p.1) - p.2).norm().max(close);
+            let next = fitted(&points, &motion, prior, weight);
             let apart = (motion.to(&next).rotation.imag().norm() * self.diagonal).max(
                 motion
                     .to(&next)
@@ -263,34 +286,28 @@ impl Handles {
             }
         }
         // To rounding, if the greater part has it exactly.
-        let is_on = |p: &(f64, Vector3<f64>, Vector3<f64>)| {
-            (motion.applied(&p.1) - p.2).norm() < ON_IT * self.diagonal
-        };
+        let is_on = |p: &Pair| (motion.applied(&p.1) - p.2).norm() < ON_IT * self.diagonal;
         let on_it: f64 = points.iter().filter(|p| is_on(p)).map(|p| p.0).sum();
         match on_it > 0.5 * total {
-            true => fitted(&points, &motion, |p| if is_on(p) { p.0 } else { 0.0 }),
+            true => fitted(&points, &motion, 0.0, |p| if is_on(p) { p.0 } else { 0.0 }),
             false => motion,
         }
     }
 }
 
-/// The rigid motion of least Σ w |M p − t|².
-fn fitted(
-    points: &[(f64, Vector3<f64>, Vector3<f64>)],
-    known: &Motion,
-    weight: impl Fn(&(f64, Vector3<f64>, Vector3<f64>)) -> f64,
-) -> Motion {
+/// The rigid motion of least Σ w |M p − t|², no turn counting as much as `prior`, mass × length².
+fn fitted(points: &[Pair], known: &Motion, prior: f64, weight: impl Fn(&Pair) -> f64) -> Motion {
     let weights: Vec<f64> = points.iter().map(weight).collect();
     let total: f64 = weights.iter().sum();
     if total <= 0.0 {
         return *known;
     }
-    let mean = |of: &dyn Fn(&(f64, Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-        let sum: Vector3<f64> = points.iter().zip(&weights).map(|(p, w)| *w * of(p)).sum();
-        sum / total
-    };
-    let (before, after) = (mean(&|p| p.1), mean(&|p| p.2));
-    let mut covariance = Matrix3::zeros();
+    let (mut before, mut after) = (Vector3::zeros(), Vector3::zeros());
+    for (point, weight) in points.iter().zip(&weights) {
+        before += weight / total * point.1;
+        after += weight / total * point.2;
+    }
+    let mut covariance = Matrix3::from_diagonal_element(prior);
     for (point, weight) in points.iter().zip(&weights) {
         covariance += *weight * (point.2 - after) * (point.1 - before).transpose();
     }

@@ -19,16 +19,20 @@
 //! mesh go the last way; the coarse mesh and the smoother are their preconditioner.
 
 mod coarse;
+mod current;
 mod decimation;
 mod energy;
 mod field;
 mod handles;
+mod levels;
 mod lift;
 mod linearized;
 mod model;
+mod newton;
 mod outcome;
 mod poser;
 mod quadric;
+mod search;
 mod settings;
 mod smoother;
 mod state;

@@ -54,7 +54,13 @@ pub(super) struct Parameters {
     pub unmoved: f64,
     /// ε².
     pub unstrained: f64,
+    /// What crushing costs in e². Nothing on a coarse mesh, whose faces turn over where a fine one
+    /// folds.
+    pub crushing: f64,
 }
+
+/// That of the fine mesh.
+const CRUSHING: f64 = 40.0;
 
 impl Parameters {
     pub fn new(settings: &Settings, diagonal: f64) -> Self {
@@ -64,6 +70,17 @@ impl Parameters {
             stillness: settings.stillness / diagonal,
             unmoved: (UNMOVED * diagonal).powi(2),
             unstrained: EPSILON * EPSILON,
+            crushing: CRUSHING,
+        }
+    }
+}
+
+impl Parameters {
+    /// The same for a coarse mesh.
+    pub fn coarse(self) -> Self {
+        Self {
+            crushing: 0.0,
+            ..self
         }
     }
 }
