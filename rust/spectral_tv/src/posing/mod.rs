@@ -36,6 +36,8 @@ mod search;
 mod settings;
 mod smoother;
 mod state;
+#[cfg(test)]
+mod tests;
 
 pub use handles::Handles;
 pub use outcome::Pose;
