@@ -103,16 +103,11 @@ impl Handles {
         let none = vec![-1; indices.len()];
         let numbers = bodies.unwrap_or(&none);
         if numbers.len() != indices.len() {
-            return Err(ArgumentError::value(
-                "bodies",
-                format!(
-                    "must be one number per constrained vertex ({})",
-                    indices.len()
-                ),
-                numbers.len(),
-            )
-            .called("there")
-            .into());
+            let must = format!(
+                "must have one number per constrained vertex ({})",
+                indices.len()
+            );
+            return Err(ArgumentError::value("bodies", must, numbers.len()).into());
         }
         let mut known: Vec<i64> = numbers.iter().copied().filter(|&n| n >= 0).collect();
         known.sort_unstable();
@@ -206,6 +201,12 @@ impl Handles {
         })
     }
 
+    /// Whether each vertex is in a connected component without constraints: it goes with the
+    /// surface nearest to it.
+    pub fn floating(&self) -> &[bool] {
+        self.constraints.floating()
+    }
+
     /// The diagonal of the bounding box, D.
     pub(super) fn diagonal(&self) -> f64 {
         self.diagonal
@@ -223,6 +224,7 @@ impl Handles {
                 centres: self.bodies.iter().map(|body| body.centre).collect(),
             },
             motion: Motion::none(),
+            targets: None,
         }
     }
 

@@ -47,3 +47,4 @@ pub use handles::Handles;
 pub use outcome::Pose;
 pub use poser::{Poser, pose, pose_with};
 pub use settings::Settings;
+pub use state::Snapshot;
