@@ -120,7 +120,7 @@ def test_handles_are_refused(mesh, case):
 
 
 BAD_PARAMETERS = [
-    (name, value, f"{name} must be a number, 0 or more, not")
+    (name, value, f"{name} must be a number from 0 to 1e6, not")
     for name in ("joint_softness", "stiffness", "stillness")
     for value in (-0.1, np.nan, np.inf, 1e300)
 ]

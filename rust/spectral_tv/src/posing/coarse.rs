@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix, Vector6};
 use ndarray::Array2;
 use sprs::CsMatI;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::monitor::Stage;
 use crate::posing::field::Field;
 use crate::posing::linearized::Linearized;
@@ -12,8 +12,9 @@ use crate::posing::model::{Model, Role};
 use crate::posing::state::rotated;
 use crate::solver::Cholesky;
 
-/// What keeps rotations that nothing asks for where they are, relative to the diagonal.
-const DAMPING: f64 = 1e-9;
+/// What keeps rotations that nothing asks for where they are, relative to the diagonal, and what
+/// to try where that is too little, as without stiffness.
+const DAMPINGS: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
 
 type Block = SMatrix<f64, 6, 6>;
 
@@ -226,12 +227,19 @@ impl CoarseSystem {
                 self.add(body_node, node, &between);
             }
         }
-        for (column, mut entries) in self.lower.outer_iterator_mut().enumerate() {
-            if let Some(diagonal) = entries.get_mut(column) {
-                *diagonal = *diagonal * (1.0 + DAMPING) + f64::MIN_POSITIVE;
+        let mut outcome = Ok(());
+        for damping in DAMPINGS {
+            for (column, mut entries) in self.lower.outer_iterator_mut().enumerate() {
+                if let Some(diagonal) = entries.get_mut(column) {
+                    *diagonal = *diagonal * (1.0 + damping) + f64::MIN_POSITIVE;
+                }
+            }
+            outcome = self.cholesky.factorize(&self.lower, stage);
+            if !matches!(outcome, Err(Error::Solver(_))) {
+                break;
             }
         }
-        self.cholesky.factorize(&self.lower, stage)
+        outcome
     }
 
     /// Adds a block at the rows of node `a` and the columns of `b`, a ≥ b.

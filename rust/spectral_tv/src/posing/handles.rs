@@ -11,9 +11,10 @@ use crate::posing::model::{Goals, Role};
 use crate::posing::state::{State, rotated};
 
 /// What no turn counts, relative to the handles, in finding what they have in common.
-const PRIOR: f64 = 0.1;
-/// Off the common motion by no more than this, relative to the diagonal, is on it.
-const ON_IT: f64 = 1e-7;
+const PRIOR: f64 = 1e-3;
+/// Distances from a common motion, relative to the diagonal, within which points are taken to have
+/// it: more and more exactly.
+const CLOSE: [f64; 3] = [1e-2, 1e-5, 1e-8];
 const MOST_ITERATIONS: usize = 60;
 
 /// Constrained vertices, and which of them turn freely.
@@ -278,31 +279,38 @@ impl Handles {
         if still >= 0.5 * total {
             return none;
         }
-        let close = 1e-9 * self.diagonal;
+        // What lies on a motion to within each of these in turn decides it more exactly.
+        let close = CLOSE.map(|close| close * self.diagonal);
+        let exact = |mut motion: Motion| {
+            for close in close {
+                let is_on = |p: &Pair| (motion.applied(&p.1) - p.2).norm() < close;
+                let on_it: f64 = points.iter().filter(|p| is_on(p)).map(|p| p.0).sum();
+                if on_it <= 0.5 * total {
+                    return None;
+                }
+                let own = |p: &Pair| if is_on(p) { p.0 } else { 0.0 };
+                motion = fitted(&points, &motion, 0.0, own);
+            }
+            Some(motion)
+        };
+        let all = fitted(&points, &none, 0.0, |p| p.0);
+        if let Some(motion) = exact(all) {
+            return motion;
+        }
         // Turns that a line or a point leaves open are none.
         let prior = PRIOR * total * self.diagonal;
         let mut motion = none;
         for _ in 0..MOST_ITERATIONS {
-            let weight = |p: &Pair| p.0 / (motion.applied(&p.1) - p.2).norm().max(close);
+            let weight = |p: &Pair| p.0 / (motion.applied(&p.1) - p.2).norm().max(close[2]);
             let next = fitted(&points, &motion, prior, weight);
-            let apart = (motion.to(&next).rotation.imag().norm() * self.diagonal).max(
-                motion
-                    .to(&next)
-                    .applied(&points[0].2)
-                    .metric_distance(&points[0].2),
-            );
+            let change = motion.to(&next);
             motion = next;
-            if apart < close {
+            let shifts = points.iter().map(|p| (change.applied(&p.2) - p.2).norm());
+            if shifts.fold(0.0, f64::max) < close[2] {
                 break;
             }
         }
-        // To rounding, if the greater part has it exactly.
-        let is_on = |p: &Pair| (motion.applied(&p.1) - p.2).norm() < ON_IT * self.diagonal;
-        let on_it: f64 = points.iter().filter(|p| is_on(p)).map(|p| p.0).sum();
-        match on_it > 0.5 * total {
-            true => fitted(&points, &motion, 0.0, |p| if is_on(p) { p.0 } else { 0.0 }),
-            false => motion,
-        }
+        exact(motion).unwrap_or(motion)
     }
 }
 

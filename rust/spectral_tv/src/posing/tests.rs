@@ -179,9 +179,8 @@ fn without_turns_it_is_the_convex_problem() {
     let stage = Monitor::new();
     let mut levels = Levels::new(&mesh, &handles, parameters, stage.whole()).unwrap();
     let mut current = handles.at_rest();
-    let (goals, motion) = handles.goals(&targets).unwrap();
     current
-        .cycle(&mut levels, goals, motion, stage.whole())
+        .cycle(&mut levels, &handles, &targets, stage.whole())
         .unwrap();
     for _ in 0..200 {
         if current.newton(&mut levels, 1e-7, stage.whole()).unwrap().0 < 1e-6 {
