@@ -57,7 +57,8 @@ impl Model {
         let strain = [0, 1].map(|axis| deformed[axis] - basis[axis]);
         let normal = basis[0].cross(&basis[1]);
         let area = deformed[0].cross(&deformed[1]);
-        let lack = LEAST_AREA - normal.dot(&area);
+        // A degenerate face has little area at rest.
+        let lack = LEAST_AREA * normal.norm_squared() - normal.dot(&area);
         let square = strain[0].norm_squared()
             + strain[1].norm_squared()
             + self.parameters.stiffness * turning(&apart, hats);

@@ -161,13 +161,7 @@ fn without_turns_it_is_the_convex_problem() {
         ..Default::default()
     };
     let constraints = Constraints::new(&mesh, &indices, None).unwrap();
-    let convex = deform(
-        &mesh,
-        constraints,
-        &targets,
-        deformation::Settings::default(),
-    )
-    .unwrap();
+    let convex = deform(&mesh, constraints, &targets, exact).unwrap();
     let handles = Handles::new(&mesh, &indices, None, None).unwrap();
     let settings = Settings {
         joint_softness: 0.0,
