@@ -1,11 +1,20 @@
-"""Empties to move vertex groups by."""
+"""Constraints of vertex groups, and empties to move them by."""
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
 from ..scene.coordinates import basis_coordinates
+from . import constraints
 from .handles import group_weights
+
+
+def constrain(obj: bpy.types.Object, group: str, kind: str) -> constraints.SpectralTVConstraint:
+    """Add a constraint of a vertex group; a handle gets an empty."""
+    constraint = constraints.add(obj, group, kind)
+    if kind == "OBJECT":
+        constraint.target = add_empty(obj, group)
+    return constraint
 
 
 def add_empty(obj: bpy.types.Object, group: str) -> bpy.types.Object:
@@ -23,4 +32,14 @@ def add_empty(obj: bpy.types.Object, group: str) -> bpy.types.Object:
     # The matrix, as hidden objects' locations are not evaluated.
     empty.matrix_world = Matrix.Translation(obj.matrix_world @ Vector(middle))
     bpy.context.view_layer.update()
+    _show_where_shown(obj, empty)
     return empty
+
+
+def _show_where_shown(obj: bpy.types.Object, empty: bpy.types.Object) -> None:
+    """Have local views that show ``obj`` show the empty too."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            space = area.spaces.active
+            if area.type == "VIEW_3D" and space.local_view and obj.local_view_get(space):
+                empty.local_view_set(space, True)
