@@ -48,9 +48,11 @@ class Held:
     def __init__(self) -> None:
         """Know nothing yet."""
         self._question: tuple | None = None
-        self._picked: Picked | None = None
+        self._triangles = np.zeros((0, 3), dtype=np.int32)
         self._strengths = np.zeros((0, 2), dtype=np.float32)
         self._next_look = 0.0
+        self._picked: Picked | None = None
+        self._patch: _Patch | None = None
         self._is_outdated = self._is_moved = True
         self._layer: Layer | None = None
 
@@ -68,21 +70,61 @@ class Held:
     ) -> Layer:
         """The layer of ``obj``, the same one as before if nothing has changed."""
         question = _question(obj)
-        is_new = question != self._question
-        if is_new or (self._is_outdated and time.monotonic() >= self._next_look):
+        if question != self._question or (
+            self._is_outdated and time.monotonic() >= self._next_look
+        ):
             self._read(obj)
-        elif picked is self._picked and not self._is_moved and self._layer is not None:
-            return self._layer
-        self._question, self._picked, self._is_moved = question, picked, False
-        self._layer = _layer(obj, graph, _with(self._strengths, picked))
+            self._question, self._patch = question, None
+        if self._patch is None or picked is not self._picked:
+            self._patch = _Patch.of(self._triangles, _with(self._strengths, picked))
+            self._picked, self._is_moved = picked, True
+        if self._is_moved:
+            self._layer, self._is_moved = self._patch.layer(obj, graph), False
         return self._layer
 
     def _read(self, obj: bpy.types.Object) -> None:
         started = time.monotonic()
-        self._strengths = strengths(obj)
+        self._triangles, self._strengths = triangles(obj.data), strengths(obj)
         ended = time.monotonic()
         self._next_look = ended + max(LOOK, LOOK_SHARE * (ended - started))
         self._is_outdated = False
+
+
+@dataclass(frozen=True)
+class _Patch:
+    """The constrained ``vertices`` of an object and their neighbors, (P,); the rest is as a Layer's
+    of the object alone.
+    """
+
+    vertices: np.ndarray
+    corners: np.ndarray
+    strengths: np.ndarray
+
+    @classmethod
+    def of(cls, every: np.ndarray, firm: np.ndarray) -> "_Patch":
+        """The part of ``every`` triangle (F, 3) with a corner that is held or pulled, (V, 2)."""
+        corners = every[firm.any(axis=1)[every].any(axis=1)]
+        is_used = np.zeros(len(firm), dtype=bool)
+        is_used[corners] = True
+        place = np.cumsum(is_used, dtype=np.int32) - 1
+        return cls(np.flatnonzero(is_used), place[corners], firm[is_used])
+
+    def layer(self, obj: bpy.types.Object, graph: bpy.types.Depsgraph) -> Layer:
+        """The same where it is shown."""
+        shown, count = obj.evaluated_get(graph).data, len(self.vertices)
+        if len(shown.vertices) == len(obj.data.vertices):
+            positions = coordinates(shown.vertices).reshape(-1, 3)[self.vertices]
+            return Layer(positions, self.corners, self.strengths, True)
+        # The other half is held likewise.
+        copies = mirrored(obj, mix.shown(obj), symmetries(obj))
+        places = copies.places[:, self.vertices]
+        corners = [self.corners + number * count for number in range(len(places))]
+        return Layer(
+            copies.positions[places.ravel()].astype(np.float32),
+            np.concatenate(corners),
+            np.tile(self.strengths, (len(places), 1)),
+            False,
+        )
 
 
 def strengths(obj: bpy.types.Object) -> np.ndarray:
@@ -120,24 +162,3 @@ def _with(found: np.ndarray, picked: Picked | None) -> np.ndarray:
     found = found.copy()
     found[picked.held, 0] = found[picked.pulled, 1] = 1
     return found
-
-
-def _layer(obj: bpy.types.Object, graph: bpy.types.Depsgraph, firm: np.ndarray) -> Layer:
-    corners = triangles(obj.data)
-    corners = corners[(firm > 0).any(axis=1)[corners].any(axis=1)]
-    used, corners = np.unique(corners, return_inverse=True)
-    corners = corners.reshape(-1, 3).astype(np.int32)
-    shown = obj.evaluated_get(graph).data
-    is_exact = len(shown.vertices) == len(obj.data.vertices)
-    if is_exact:
-        places = [used]
-        positions = coordinates(shown.vertices).reshape(-1, 3)
-    else:  # where the other half is held likewise
-        copies = mirrored(obj, mix.shown(obj), symmetries(obj))
-        places, positions = copies.places[:, used], copies.positions
-    return Layer(
-        np.concatenate([positions[each] for each in places]).astype(np.float32),
-        np.concatenate([corners + number * len(used) for number in range(len(places))]),
-        np.tile(firm[used], (len(places), 1)),
-        is_exact,
-    )

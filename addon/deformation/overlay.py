@@ -35,7 +35,8 @@ class _Drawn:
     def __init__(self) -> None:
         self.held = Held()
         self.layer: Layer | None = None
-        self.colors: tuple | None = None
+        self.chosen: tuple | None = None
+        self.colors: np.ndarray | None = None
         self.batch: object = None
 
 
@@ -158,13 +159,17 @@ def _draw_over(
     if known.held.wait is not None and not bpy.app.timers.is_registered(redraw):
         bpy.app.timers.register(redraw, first_interval=known.held.wait)
     if not len(layer.corners):
-        known.batch = None
+        known.layer = known.batch = None
         return
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    if known.batch is None or layer is not known.layer or chosen != known.colors:
-        content = {"pos": layer.positions, "color": colors(layer, *chosen)}
+    if known.layer is None or layer.strengths is not known.layer.strengths or (
+        chosen != known.chosen
+    ):  # fmt: skip
+        known.colors, known.chosen, known.batch = colors(layer, *chosen), chosen, None
+    if known.batch is None or layer is not known.layer:
+        content = {"pos": layer.positions, "color": known.colors}
         known.batch = batch_for_shader(shader, "TRIS", content, indices=layer.corners)
-        known.layer, known.colors = layer, chosen
+        known.layer = layer
     world = obj.evaluated_get(graph).matrix_world
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")

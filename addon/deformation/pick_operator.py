@@ -133,7 +133,8 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
     def cancel(self, context: bpy.types.Context) -> None:
         """Leave nothing behind; Blender calls it too when it ends the operator itself."""
         self._strokes = None  # Blender keeps the last operators
-        context.window.cursor_modal_restore()
+        if context.window is not None:  # it was closed
+            context.window.cursor_modal_restore()
         if type(self).running is self:
             end()
 
@@ -234,9 +235,10 @@ def end() -> None:
 def _say(text: str | None) -> None:
     """Show what is next in the status bar and in the headers of 3D views, until it is None."""
     told = None if text is None else f"{constraints.HOLD_AND_PULL}: {text}   |   Esc: cancel"
-    for window in bpy.context.window_manager.windows:
-        window.workspace.status_text_set(told)
-        for area in window.screen.areas:
+    for workspace in bpy.data.workspaces:  # the user may go to another one meanwhile
+        workspace.status_text_set(told)
+    for screen in bpy.data.screens:
+        for area in screen.areas:
             if area.type == "VIEW_3D":
                 area.header_text_set(told)
 

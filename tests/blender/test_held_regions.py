@@ -76,7 +76,10 @@ def test_it_follows_the_shape_that_is_seen(held):
     wave.factor = 0.3
     layer = layer_of(held)
     assert layer.is_exact
-    seen = evaluated(held)
+    wave.factor = 0.5
+    moved = layer_of(held)
+    assert moved is not layer and moved.strengths is layer.strengths, "colors stay"
+    layer, seen = moved, evaluated(held)
     theirs = seen[sorted(members(held, "Head"))]
     mine = layer.positions[layer.strengths[:, 1] > 0]
     np.testing.assert_allclose(mine, theirs, atol=1e-6)

@@ -9,13 +9,14 @@ from collections.abc import Sequence
 import bpy
 from bpy_extras import view3d_utils
 from contents import contents, differences
-from deform import MODULE, leaning, new_dumbbell, running
+from deform import MODULE, held_dumbbell, leaning, new_dumbbell, running
 from pictures import away
 from screen import (
     PICTURES,
     Steps,
     click,
     find,
+    in_view,
     key,
     move,
     picture,
@@ -35,6 +36,7 @@ def hold_and_pull() -> Steps[None]:
     yield from hold_two_and_take_one_back()
     yield from click_twice_and_pull()
     yield from what_is_held_is_seen()
+    yield from adjust_it()
 
 
 def prepare() -> Steps[None]:
@@ -177,8 +179,24 @@ def what_is_held_is_seen() -> Steps[None]:
     foot_color, crown_color = colors("held_subdivided", [foot, crown])
     assert is_blue(foot_color) and is_orange(crown_color), (foot_color, crown_color)
     obj.modifiers.clear()
-    obj.spectral_tv.constraints.clear()
-    obj.shape_key_clear()
+
+
+def adjust_it() -> Steps[None]:
+    """Adjust Last Operation makes the same again of the places that were clicked on."""
+    yield from prepare()
+    with in_view():
+        bpy.ops.spectral_tv.hold_and_pull("INVOKE_DEFAULT", live=False)
+    yield from click(*seen(FOOT))
+    yield from click(*seen(CROWN))
+    yield from until(lambda: picking() is None, "the second click to end it")
+    yield from away()
+    after = contents()
+    with in_view():
+        bpy.ops.ed.undo_redo()
+    found = differences(after, contents())
+    assert not found, found
+    assert bpy.context.object.name.startswith("Dumbbell Handle")
+    held_dumbbell()  # as what comes next has it
 
 
 def begin() -> Steps[None]:
