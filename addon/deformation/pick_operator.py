@@ -10,6 +10,7 @@ from ..job.operator import REFUSALS, ChangeOperator
 from ..scene.notes import gathered, note
 from ..scene.objects import Refusal, refusal
 from . import constraints, overlay
+from .deform_operator import SPECTRAL_TV_OT_deform
 from .empties import constrain
 from .live_operator import SPECTRAL_TV_OT_deform_live
 from .picking import Patches, on_ray
@@ -80,7 +81,7 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
                 self.layout.prop(each, "radius", text=f"{label} Radius")
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        if bpy.app.background:
+        if bpy.app.background or self.held or self.pulled:
             return self.execute(context)
         end()
         obj = context.active_object
@@ -92,8 +93,6 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
         self._subject = obj.name, _counts(obj)
         self._is_pulling = False
         self._message = ""
-        self.held.clear()
-        self.pulled.clear()
         type(self).running = self
         context.window.cursor_modal_set("CROSSHAIR")
         context.window_manager.modal_handler_add(self)
@@ -130,11 +129,9 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
             return {"PASS_THROUGH"}
         return {"RUNNING_MODAL"}
 
-    def cancel(self, context: bpy.types.Context) -> None:
+    def cancel(self, _context: bpy.types.Context) -> None:
         """Leave nothing behind; Blender calls it too when it ends the operator itself."""
         self._strokes = None  # Blender keeps the last operators
-        if context.window is not None:  # it was closed
-            context.window.cursor_modal_restore()
         if type(self).running is self:
             end()
 
@@ -192,8 +189,7 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
         return event.type == "BACK_SPACE" or (event.type == "Z" and (event.ctrl or event.oskey))
 
     def _take_back(self) -> None:
-        self._strokes.take_back()
-        if self.held:
+        if self._strokes.take_back():
             self.held.remove(len(self.held) - 1)
         self._is_pulling = len(self.held) > 0
 
@@ -205,8 +201,8 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
                 done = _constrain(context, obj, strokes)
         except REFUSALS as error:
             return self.refuse(error, obj)
-        if self.live and self.pulled:
-            _follow(context, obj)
+        if self.pulled and not (self.live and _follow(context, obj)):
+            done += f", and press {SPECTRAL_TV_OT_deform.bl_label} for {obj.name!r}"
         return self.tell(obj, done, [*notes, *later])
 
     def _show(self, obj: bpy.types.Object) -> None:
@@ -230,6 +226,8 @@ def end() -> None:
     if running is not None:
         overlay.pick(None, None)
         _say(None)
+        for window in bpy.context.window_manager.windows:
+            window.cursor_modal_restore()
 
 
 def _say(text: str | None) -> None:
@@ -267,8 +265,12 @@ def _constrain(context: bpy.types.Context, obj: bpy.types.Object, strokes: Strok
     return ", ".join(done)
 
 
-def _follow(context: bpy.types.Context, obj: bpy.types.Object) -> None:
-    """Have the mesh follow at once, where it can."""
+def _follow(context: bpy.types.Context, obj: bpy.types.Object) -> bool:
+    """Have the mesh follow at once, and tell whether it can."""
+    live = SPECTRAL_TV_OT_deform_live.running
+    if live is not None:
+        return live.object_name == obj.name
     with context.temp_override(active_object=obj):
-        if SPECTRAL_TV_OT_deform_live.running is None and bpy.ops.spectral_tv.deform_live.poll():
-            bpy.ops.spectral_tv.deform_live("INVOKE_DEFAULT")
+        if not bpy.ops.spectral_tv.deform_live.poll():
+            return False
+        return "RUNNING_MODAL" in bpy.ops.spectral_tv.deform_live("INVOKE_DEFAULT")

@@ -42,7 +42,7 @@ class Patches:
 
         Raises Refusal if that is on no part of the surface.
         """
-        shown = _evaluated(obj).data
+        shown = _shown(obj)
         if len(shown.vertices) == len(obj.data.vertices) and (
             len(shown.polygons) == len(obj.data.polygons)
         ):
@@ -53,9 +53,10 @@ class Patches:
         """The patch around what is shown nearest to a ``point`` in the world."""
         local = obj.matrix_world.inverted_safe() @ point
         graph = bpy.context.evaluated_depsgraph_get()
+        _shown(obj)
         is_found, place, _, polygon = obj.closest_point_on_mesh(local, depsgraph=graph)
         if not is_found:
-            raise Refusal("nothing of it is shown")
+            raise Refusal("no place on it is nearest to that point")
         return self.around(obj, polygon, place)
 
     def free(self, patch: np.ndarray, is_pulled: bool, others: Iterable[np.ndarray]) -> np.ndarray:
@@ -107,7 +108,11 @@ class Patches:
 
 
 def on_ray(obj: bpy.types.Object, origin: Vector, direction: Vector) -> tuple[int, Vector] | None:
-    """The polygon and the place, in object space, where a ray in the world meets what is shown."""
+    """The polygon and the place, in object space, where a ray in the world meets what is shown.
+
+    Raises Refusal if nothing is.
+    """
+    _shown(obj)
     to_object = obj.matrix_world.inverted_safe()
     start = to_object @ origin
     along = to_object.to_3x3() @ direction
@@ -116,5 +121,9 @@ def on_ray(obj: bpy.types.Object, origin: Vector, direction: Vector) -> tuple[in
     return (polygon, place) if is_hit else None
 
 
-def _evaluated(obj: bpy.types.Object) -> bpy.types.Object:
-    return obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+def _shown(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """What is shown of ``obj``; raises Refusal if it has no face."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    if len(mesh.polygons) == 0:
+        raise Refusal("its modifiers leave no face of it")
+    return mesh

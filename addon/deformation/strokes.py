@@ -69,11 +69,13 @@ class Strokes:
         self._done.append(self._last)
         self._last = None
 
-    def take_back(self) -> None:
-        """Forget the last one."""
-        if self._last is None and self._done:
+    def take_back(self) -> bool:
+        """Forget the one that grows, or else the last; tells whether that had been taken."""
+        was_taken = self._last is None and len(self._done) > 0
+        if was_taken:
             self._done.pop()
         self._last = None
+        return was_taken
 
     def groups(self) -> list[tuple[str, str, np.ndarray]]:
         """Kinds of constraints, the names that were given, and vertices."""

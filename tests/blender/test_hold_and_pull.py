@@ -167,6 +167,18 @@ def test_without_a_place_nothing_is_made(body):
     assert not body.spectral_tv.constraints
 
 
+def test_what_modifiers_leave_nothing_of_is_refused(body):
+    body.vertex_groups.new(name="None")
+    body.modifiers.new("Mask", "MASK").vertex_group = "None"
+    with pytest.raises(RuntimeError, match="its modifiers leave no face of it"):
+        hold_and_pull(FEET)
+
+
+def test_a_place_nowhere_is_refused(body):
+    with pytest.raises(RuntimeError, match="no place on it is nearest to that point"):
+        hold_and_pull(patch((float("nan"), 0, 0)))
+
+
 def test_a_vertex_nowhere_is_refused_and_nothing_made(body):
     body.data.vertices[5].co.x = float("nan")
     with pytest.raises(RuntimeError, match="vertex 5"):
