@@ -66,7 +66,7 @@ def test_growing_by_steps_gives_what_growing_at_once_does():
 
 def test_what_is_not_connected_is_not_reached():
     vertices, faces = grid(11, 11)
-    two = np.vstack([vertices, vertices + (0, 0, 0.01)])
+    two = np.vstack([vertices, vertices + np.array([0, 0, 0.01])])
     found = spread(two, np.vstack([faces, faces + len(vertices)]), 0).within(100)
     assert found[: len(vertices)].all() and not found[len(vertices) :].any()
 

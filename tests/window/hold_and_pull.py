@@ -37,6 +37,7 @@ def hold_and_pull() -> Steps[None]:
     yield from click_twice_and_pull()
     yield from what_is_held_is_seen()
     yield from adjust_it()
+    yield from stay_in_local_view()
 
 
 def prepare() -> Steps[None]:
@@ -147,10 +148,13 @@ def what_is_held_is_seen() -> Steps[None]:
     view = next(area for area in areas if area.type == "VIEW_3D").spaces.active
     # Beside the empty and the axis.
     foot, crown = (0.2, *FOOT[1:]), (offset + 0.2, *CROWN[1:])
-    yield from away()
-    yield from picture("held_shown")
-    foot_color, crown_color = colors("held_shown", [foot, crown])
-    assert is_blue(foot_color) and is_orange(crown_color), (foot_color, crown_color)
+    for name in ("held_shown", "held_in_perspective"):
+        yield from away()
+        yield from picture(name)
+        foot_color, crown_color = colors(name, [foot, crown])
+        assert is_blue(foot_color) and is_orange(crown_color), (name, foot_color, crown_color)
+        yield from key("KP_5")
+        yield 0.5
     for switch in ("overlays", "regions", "hiding"):
         if switch == "overlays":
             view.overlay.show_overlays = False
@@ -196,6 +200,20 @@ def adjust_it() -> Steps[None]:
     found = differences(after, contents())
     assert not found, found
     assert bpy.context.object.name.startswith("Dumbbell Handle")
+
+
+def stay_in_local_view() -> Steps[None]:
+    """The empty is there, too."""
+    obj = new_dumbbell()
+    with in_view():
+        bpy.ops.view3d.localview(frame_selected=False)
+        place = {"name": "", "point": CROWN, "radius": 0.3}
+        bpy.ops.spectral_tv.hold_and_pull(held=[], pulled=[place])
+        view = bpy.context.space_data
+        handle = obj.spectral_tv.constraints[0].target
+        assert handle.local_view_get(view) and bpy.context.object == handle
+        bpy.ops.view3d.localview(frame_selected=False)
+    yield from away()
     held_dumbbell()  # as what comes next has it
 
 
