@@ -32,14 +32,4 @@ def add_empty(obj: bpy.types.Object, group: str) -> bpy.types.Object:
     # The matrix, as hidden objects' locations are not evaluated.
     empty.matrix_world = Matrix.Translation(obj.matrix_world @ Vector(middle))
     bpy.context.view_layer.update()
-    _show_where_shown(obj, empty)
     return empty
-
-
-def _show_where_shown(obj: bpy.types.Object, empty: bpy.types.Object) -> None:
-    """Have local views that show ``obj`` show the empty too."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            space = area.spaces.active
-            if area.type == "VIEW_3D" and space.local_view and obj.local_view_get(space):
-                empty.local_view_set(space, True)

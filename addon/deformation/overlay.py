@@ -136,14 +136,18 @@ def _draw() -> None:
         if key not in keys:
             del _known[key]
     for key, obj in zip(keys, shown, strict=True):
-        if graph is not None and obj.mode == "OBJECT" and _is_seen(obj, space, layer):
+        if graph is not None and obj.mode == "OBJECT" and _is_seen(obj, space, graph):
             _draw_over(obj, graph, context, _known.setdefault(key, _Drawn()))
 
 
 def _is_seen(
-    obj: bpy.types.Object, space: bpy.types.SpaceView3D, layer: bpy.types.ViewLayer
+    obj: bpy.types.Object, space: bpy.types.SpaceView3D, graph: bpy.types.Depsgraph
 ) -> bool:
-    return obj.visible_get(view_layer=layer) and obj.visible_in_viewport_get(space)
+    """Whether a view shows it; Blender tells of local views in what was evaluated alone."""
+    layer = graph.view_layer
+    return obj.visible_get(view_layer=layer) and (
+        obj.evaluated_get(graph).visible_in_viewport_get(space)
+    )
 
 
 def _draw_over(

@@ -203,17 +203,21 @@ def adjust_it() -> Steps[None]:
 
 
 def stay_in_local_view() -> Steps[None]:
-    """The empty is there, too."""
+    """What is pulled is drawn there, and the empty is there too."""
     obj = new_dumbbell()
     with in_view():
         bpy.ops.view3d.localview(frame_selected=False)
-        place = {"name": "", "point": CROWN, "radius": 0.3}
+        place = {"name": "", "point": CROWN, "radius": 0.5}
         bpy.ops.spectral_tv.hold_and_pull(held=[], pulled=[place])
-        view = bpy.context.space_data
-        handle = obj.spectral_tv.constraints[0].target
-        assert handle.local_view_get(view) and bpy.context.object == handle
-        bpy.ops.view3d.localview(frame_selected=False)
     yield from away()
+    yield from picture("held_in_local_view")
+    with in_view():
+        handle = obj.spectral_tv.constraints[0].target
+        seen_one = handle.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        assert seen_one.local_view_get(bpy.context.space_data)
+        bpy.ops.view3d.localview(frame_selected=False)
+    crown_color, foot_color = colors("held_in_local_view", [(0.2, *CROWN[1:]), (0.2, *FOOT[1:])])
+    assert is_orange(crown_color) and not is_orange(foot_color), (crown_color, foot_color)
     held_dumbbell()  # as what comes next has it
 
 
