@@ -50,6 +50,7 @@ from spectral_tv._native import (
     Mesh,
     MeshError,
     MeshWarning,
+    Poser,
     __version__,
     set_threads,
     threads,

@@ -215,6 +215,18 @@ class Deformation(_Result):
 
 
 @dataclass(frozen=True, eq=False)
+class Pose(_Result):
+    """A posed shape."""
+
+    vertices: Numbers = field(repr=False)
+    rotations: Numbers = field(repr=False)
+    energy: float
+    decrement: float
+    movement: float
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
 class Folds(_Result):
     """What a displacement does to the faces of a mesh, found by `folds`.
 

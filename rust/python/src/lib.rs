@@ -16,8 +16,10 @@ mod guard;
 mod image;
 mod job;
 mod mesh;
+mod owned;
 mod parameters;
 mod pickling;
+mod poser;
 mod results;
 mod segmentation;
 mod settings;
@@ -48,6 +50,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<flow::Flow>()?;
     module.add_class::<decomposition::Decomposition>()?;
     module.add_class::<deformer::Deformer>()?;
+    module.add_class::<poser::Poser>()?;
     module.add_class::<job::Job>()?;
     for function in [
         wrap_pyfunction!(accuracy::start_accuracy, module)?,

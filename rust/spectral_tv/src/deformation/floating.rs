@@ -10,7 +10,7 @@ use crate::mesh::TriangleMesh;
 
 /// The pieces that nothing holds, such as the eyes of a head.
 #[derive(Debug, Clone)]
-pub(super) struct Floating {
+pub(crate) struct Floating {
     /// Of every vertex, whether it is of such a piece.
     pub is_floating: Vec<bool>,
     pieces: Vec<Vec<Follower>>,
