@@ -41,8 +41,14 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
     bl_idname = "spectral_tv.hold_and_pull"
     bl_label = constraints.HOLD_AND_PULL
 
-    held: CollectionProperty(type=SpectralTVPatch, options={"SKIP_SAVE"})
-    pulled: CollectionProperty(type=SpectralTVPatch, options={"SKIP_SAVE"})
+    held: CollectionProperty(
+        type=SpectralTVPatch, name="Held", options={"SKIP_SAVE"},
+        description="Places on the surface that stay"
+    )  # fmt: skip
+    pulled: CollectionProperty(
+        type=SpectralTVPatch, name="Pulled", options={"SKIP_SAVE"},
+        description="Places on the surface that move, each with an empty of its own"
+    )  # fmt: skip
     live: BoolProperty(
         name="Live", default=True, options={"SKIP_SAVE"},
         description="Deform while the empty is moved; without a window nothing is dragged"
@@ -215,7 +221,7 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
             text += "Enter: only hold   |   " if self.held else ""
             text += "Backspace: take back"
         else:
-            text = "Click what stays   |   Drag outwards: more of it   |   Enter: skip"
+            text = "Click what stays   |   Drag outwards: more of it   |   Enter: hold nothing more"
         _say(f"{self._message}   |   {text}" if self._message else text)
 
 
