@@ -22,7 +22,7 @@ type Block = SMatrix<f64, 6, 6>;
 struct Node {
     /// Its first unknown.
     first: usize,
-    /// 6 for a free vertex, 3 for a fixed one or a body.
+    /// 6 for a free vertex, 3 for a pinned one or a body.
     size: usize,
     /// The nodes after it that it is coupled with, and where their rows begin behind its own.
     others: Vec<(u32, u32)>,
@@ -31,7 +31,7 @@ struct Node {
 /// The matrix of [`Linearized`], its pattern found once.
 pub(super) struct CoarseSystem {
     nodes: Vec<Node>,
-    /// The node of each vertex; `None` for a floating one.
+    /// The node of each vertex; `None` for one that nothing moves.
     node_of: Vec<Option<u32>>,
     /// The first node of a body.
     first_body: usize,
@@ -57,8 +57,8 @@ impl CoarseSystem {
             .iter()
             .map(|role| match role {
                 Role::Free => Some(new_node(6)),
-                Role::Fixed => Some(new_node(3)),
-                Role::Body(_) | Role::Floating => None,
+                Role::Pinned => Some(new_node(3)),
+                Role::Fixed | Role::Body(_) | Role::Floating => None,
             })
             .collect();
         let bodies: Vec<u32> = (0..model.body_count).map(|_| new_node(3)).collect();
@@ -132,14 +132,14 @@ impl CoarseSystem {
             let mut map = Block::zeros();
             match model.roles[vertex] {
                 Role::Free => map = Block::identity(),
-                Role::Fixed => map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity(),
+                Role::Pinned => map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity(),
                 Role::Body(body) => {
                     let arm = rotated(&state.bodies[body as usize], &model.arms[vertex]);
                     map.fixed_view_mut::<3, 3>(0, 0)
                         .copy_from(&-arm.cross_matrix());
                     map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
                 }
-                Role::Floating => {}
+                Role::Fixed | Role::Floating => {}
             }
             map
         };
@@ -167,7 +167,8 @@ impl CoarseSystem {
                     let by_columns = &crushed.by_columns;
                     let moved = hats[i][0] * by_columns[0] + hats[i][1] * by_columns[1];
                     let turned = crushed.by_turn / 3.0;
-                    Vector6::from_iterator(moved.iter().chain(&turned).copied())
+                    let derivative = Vector6::from_iterator(moved.iter().chain(&turned).copied());
+                    crushed.firmness.sqrt() * derivative
                 })
             });
             for i in 0..3 {
@@ -191,8 +192,7 @@ impl CoarseSystem {
                         .fixed_view_mut::<3, 3>(3, 3)
                         .copy_from(&(spin + Matrix3::from_diagonal_element(turning)));
                     if let Some(derivatives) = &crushed {
-                        block +=
-                            model.parameters.crushing * derivatives[i] * derivatives[j].transpose();
+                        block += derivatives[i] * derivatives[j].transpose();
                     }
                     let block = maps[i].transpose() * block * maps[j] * term.weight;
                     self.add(a, b, &block);
@@ -280,8 +280,8 @@ impl CoarseSystem {
                         values[[0, first + axis]] = field.moves[vertex][axis];
                         values[[0, first + 3 + axis]] = field.turns[vertex][axis];
                     }
-                    Role::Fixed => values[[0, first + axis]] = field.turns[vertex][axis],
-                    Role::Body(_) | Role::Floating => {}
+                    Role::Pinned => values[[0, first + axis]] = field.turns[vertex][axis],
+                    Role::Fixed | Role::Body(_) | Role::Floating => {}
                 }
             }
         }
@@ -304,8 +304,8 @@ impl CoarseSystem {
                         found.moves[vertex][axis] = values[[0, first + axis]];
                         found.turns[vertex][axis] = values[[0, first + 3 + axis]];
                     }
-                    Role::Fixed => found.turns[vertex][axis] = values[[0, first + axis]],
-                    Role::Body(_) | Role::Floating => {}
+                    Role::Pinned => found.turns[vertex][axis] = values[[0, first + axis]],
+                    Role::Fixed | Role::Body(_) | Role::Floating => {}
                 }
             }
         }

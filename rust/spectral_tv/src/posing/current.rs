@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::posing::field::Field;
-use crate::posing::handles::Motion;
+use crate::posing::handles::{Handles, Motion};
 use crate::posing::levels::Levels;
 use crate::posing::linearized::Linearized;
 use crate::posing::model::Goals;
@@ -18,6 +18,8 @@ pub(super) struct Current {
     pub state: State,
     pub goals: Goals,
     pub motion: Motion,
+    /// The targets that these are of; `None` at rest.
+    pub targets: Option<Vec<[f64; 3]>>,
 }
 
 impl Current {
@@ -26,10 +28,11 @@ impl Current {
     pub fn cycle(
         &mut self,
         levels: &mut Levels,
-        goals: Goals,
-        motion: Motion,
+        handles: &Handles,
+        targets: &[[f64; 3]],
         stage: Stage,
     ) -> Result<f64> {
+        let (goals, motion) = handles.goals(targets)?;
         let before = levels.lift.injected(&self.state);
         // What the coarse gradient lacks, so that a stationary fine pose stays (Nash 2000, "A
         // multigrid approach to discretized optimization problems").
@@ -87,6 +90,7 @@ impl Current {
         levels.fine.place(&goals, &mut fine);
         let last = std::mem::replace(&mut self.state, fine);
         (self.goals, self.motion) = (goals, motion);
+        self.targets = Some(targets.to_vec());
         self.smooth(levels, stage)?;
         Ok(largest_movement(&last, &self.state))
     }

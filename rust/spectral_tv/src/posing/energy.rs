@@ -15,7 +15,7 @@ pub(super) struct FaceTerm {
     pub basis: [Vector3<f64>; 2],
     /// ∇x − R̄ T, two columns.
     pub strain: [Vector3<f64>; 2],
-    /// e² of strain, crushing and turning, without ε.
+    /// e² of strain and turning, without ε.
     pub square: f64,
     /// How the area changes, where it is crushed.
     pub crushed: Option<Crushed>,
@@ -27,6 +27,8 @@ pub(super) struct Crushed {
     /// How much less the ratio J of areas, in the plane of R̄ T, is than the least that costs
     /// nothing.
     pub lack: f64,
+    /// The derivative of the cost by lack², relative to that of φ(e) by e².
+    pub firmness: f64,
     /// The derivatives of J by the two columns of ∇x, and by a turn of R̄.
     pub by_columns: [Vector3<f64>; 2],
     pub by_turn: Vector3<f64>,
@@ -56,16 +58,16 @@ impl Model {
         let normal = basis[0].cross(&basis[1]);
         let area = deformed[0].cross(&deformed[1]);
         let lack = LEAST_AREA - normal.dot(&area);
+        let square = strain[0].norm_squared()
+            + strain[1].norm_squared()
+            + self.parameters.stiffness * turning(&apart, hats);
         let crushing = self.parameters.crushing;
         let crushed = (lack > 0.0 && crushing > 0.0).then(|| Crushed {
             lack,
+            firmness: crushing / self.parameters.weight(square),
             by_columns: [deformed[1].cross(&normal), normal.cross(&deformed[0])],
             by_turn: normal.cross(&area),
         });
-        let square = strain[0].norm_squared()
-            + strain[1].norm_squared()
-            + crushing * lack.max(0.0).powi(2)
-            + self.parameters.stiffness * turning(&apart, hats);
         FaceTerm {
             crushed,
             apart,
@@ -82,7 +84,7 @@ impl Model {
         let faces = parallel::sum(areas.len(), |range| {
             range
                 .filter(|&face| self.is_held(&triangles[face]))
-                .map(|face| areas[face] * self.parameters.cost(self.face_term(face, state).square))
+                .map(|face| areas[face] * self.parameters.cost(&self.face_term(face, state)))
                 .sum()
         });
         faces + self.value_at_vertices(state, goals)
@@ -120,12 +122,15 @@ impl Model {
 }
 
 impl Parameters {
-    /// φ(e) − φ(ε).
+    /// φ(e) − φ(ε), and what crushing costs.
     #[inline]
-    pub fn cost(&self, square: f64) -> f64 {
+    pub fn cost(&self, term: &FaceTerm) -> f64 {
+        let square = term.square;
         let e = (square + self.unstrained).sqrt();
+        let lack = term.crushed.as_ref().map_or(0.0, |crushed| crushed.lack);
         // Of differences, so that digits are left near rest.
-        square / (e + self.unstrained.sqrt()) + 0.5 * self.softness * square
+        square / (e + self.unstrained.sqrt())
+            + 0.5 * (self.softness * square + self.crushing * lack * lack)
     }
 
     /// φ′(e)/e.

@@ -6,6 +6,7 @@ use crate::deformation::{Constraints, nearest_rotation};
 use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
 use crate::posing::current::Current;
+use crate::posing::frames::Frames;
 use crate::posing::model::{Goals, Role};
 use crate::posing::state::{State, rotated};
 
@@ -24,6 +25,7 @@ pub struct Handles {
     pub(super) pulled_along: Vec<Option<u32>>,
     /// Of every free body: its entries, and where the mean of them is at rest.
     pub(super) bodies: Vec<Body>,
+    frames: Frames,
     rest: Vec<Vector3<f64>>,
     masses: Vec<f64>,
     diagonal: f64,
@@ -83,7 +85,7 @@ impl Motion {
 
 impl Handles {
     /// Constrains `indices`, with weights as [`Constraints::new`] takes them. `bodies` has a number
-    /// for each: −1 for one that goes to its target. Those with the same other number are one rigid
+    /// for each: −1 for one that goes to its target, turned as the faces between such ones are. Those with the same other number are one rigid
     /// body that turns as it likes, its centre going to the mean of their targets; soft ones are
     /// pulled along with it.
     ///
@@ -101,16 +103,11 @@ impl Handles {
         let none = vec![-1; indices.len()];
         let numbers = bodies.unwrap_or(&none);
         if numbers.len() != indices.len() {
-            return Err(ArgumentError::value(
-                "bodies",
-                format!(
-                    "must be one number per constrained vertex ({})",
-                    indices.len()
-                ),
-                numbers.len(),
-            )
-            .called("there")
-            .into());
+            let must = format!(
+                "must have one number per constrained vertex ({})",
+                indices.len()
+            );
+            return Err(ArgumentError::value("bodies", must, numbers.len()).into());
         }
         let mut known: Vec<i64> = numbers.iter().copied().filter(|&n| n >= 0).collect();
         known.sort_unstable();
@@ -147,6 +144,12 @@ impl Handles {
                     .into());
                 }
                 of_body[vertex] = Some(body);
+            }
+        }
+        let frames = Frames::new(mesh, &roles);
+        for (vertex, role) in roles.iter_mut().enumerate() {
+            if *role == Role::Fixed && !frames.are_at(vertex) {
+                *role = Role::Pinned;
             }
         }
         let of = |body: u32, is_wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
@@ -188,6 +191,7 @@ impl Handles {
         Ok(Self {
             masses: mesh.vertex_areas().to_vec(),
             diagonal: diagonal(&rest),
+            frames,
             constraints,
             roles,
             arms,
@@ -195,6 +199,12 @@ impl Handles {
             bodies,
             rest,
         })
+    }
+
+    /// Whether each vertex is in a connected component without constraints: it goes with the
+    /// surface nearest to it.
+    pub fn floating(&self) -> &[bool] {
+        self.constraints.floating()
     }
 
     /// The diagonal of the bounding box, D.
@@ -208,11 +218,13 @@ impl Handles {
             state: State::at_rest(&self.rest, self.bodies.len()),
             goals: Goals {
                 positions: self.rest.clone(),
+                rotations: vec![Quaternion::identity(); self.rest.len()],
                 still: self.rest.clone(),
                 springs: vec![0.0; self.rest.len()],
                 centres: self.bodies.iter().map(|body| body.centre).collect(),
             },
             motion: Motion::none(),
+            targets: None,
         }
     }
 
@@ -234,6 +246,7 @@ impl Handles {
         let motion = self.common_motion(&positions, &centres);
         let goals = Goals {
             still: self.rest.iter().map(|p| motion.applied(p)).collect(),
+            rotations: self.frames.rotations(&positions),
             positions,
             springs: targets.springs,
             centres,
@@ -248,7 +261,7 @@ impl Handles {
         let mut body_masses = vec![0.0; self.bodies.len()];
         for (vertex, role) in self.roles.iter().enumerate() {
             match *role {
-                Role::Fixed => {
+                Role::Pinned | Role::Fixed => {
                     points.push((self.masses[vertex], self.rest[vertex], positions[vertex]));
                 }
                 Role::Body(body) => body_masses[body as usize] += self.masses[vertex],

@@ -42,7 +42,7 @@ impl Levels {
             .collect();
         let label = |role: &Role| match role {
             Role::Free | Role::Floating => 0,
-            Role::Fixed => 1,
+            Role::Pinned | Role::Fixed => 1,
             Role::Body(body) => 2 + body,
         };
         let labels: Vec<u32> = handles.roles.iter().map(label).collect();
@@ -107,6 +107,7 @@ impl Levels {
         }
         Goals {
             positions,
+            rotations: lift.taken(&goals.rotations),
             springs,
             centres: goals.centres.clone(),
             still: lift.taken(&goals.still),

@@ -62,7 +62,7 @@ impl<'a> Linearized<'a> {
                 .sum::<Vector3<f64>>();
             let mut stress = term.strain;
             if let Some(crushed) = &term.crushed {
-                let push = -model.parameters.crushing * crushed.lack;
+                let push = -crushed.firmness * crushed.lack;
                 for (stress, derivative) in stress.iter_mut().zip(&crushed.by_columns) {
                     *stress += push * derivative;
                 }
@@ -84,7 +84,7 @@ impl<'a> Linearized<'a> {
             };
             let face = FaceModel {
                 weight,
-                cost: areas[face] * model.parameters.cost(term.square),
+                cost: areas[face] * model.parameters.cost(&term),
                 basis: term.basis,
                 crushed: term.crushed.map(Box::new),
             };
@@ -160,7 +160,7 @@ impl<'a> Linearized<'a> {
             let mut torque = -(basis[0].cross(&strain[0]) + basis[1].cross(&strain[1])) / 3.0;
             if let Some(crushed) = crushed {
                 let by_columns = &crushed.by_columns;
-                let change = model.parameters.crushing
+                let change = crushed.firmness
                     * (by_columns[0].dot(&columns[0])
                         + by_columns[1].dot(&columns[1])
                         + crushed.by_turn.dot(&turn));
@@ -210,7 +210,7 @@ impl<'a> Linearized<'a> {
         match &self.faces[face].crushed {
             Some(crushed) => {
                 let squares = crushed.by_columns.iter().map(Vector3::norm_squared);
-                1.0 + self.model.parameters.crushing * squares.sum::<f64>()
+                1.0 + crushed.firmness * squares.sum::<f64>()
             }
             None => 1.0,
         }

@@ -107,8 +107,8 @@ fn mask(model: &Model, field: &mut Field) {
     for (vertex, role) in model.roles.iter().enumerate() {
         match role {
             Role::Free => {}
-            Role::Fixed => field.moves[vertex] = Vector3::zeros(),
-            Role::Body(_) | Role::Floating => {
+            Role::Pinned => field.moves[vertex] = Vector3::zeros(),
+            Role::Fixed | Role::Body(_) | Role::Floating => {
                 field.moves[vertex] = Vector3::zeros();
                 field.turns[vertex] = Vector3::zeros();
             }

@@ -1,5 +1,6 @@
 //! A mesh that is posed again and again.
 
+use nalgebra::UnitQuaternion;
 use ndarray::Array2;
 
 use crate::deformation::require;
@@ -14,6 +15,7 @@ use crate::posing::levels::Levels;
 use crate::posing::model::Parameters;
 use crate::posing::outcome::Pose;
 use crate::posing::settings::Settings;
+use crate::posing::state::{Snapshot, State, quaternions};
 
 /// A movement, relative to the diagonal, after which conjugate gradients take over.
 const NEAR: f64 = 2e-3;
@@ -27,6 +29,7 @@ const PROGRESS: f64 = 0.85;
 /// A mesh, its handles, and its last pose, from which the next one starts.
 pub struct Poser {
     handles: Handles,
+    settings: Settings,
     levels: Levels,
     current: Current,
 }
@@ -57,6 +60,7 @@ impl Poser {
         let current = handles.at_rest();
         Ok(Self {
             handles,
+            settings,
             levels,
             current,
         })
@@ -70,6 +74,38 @@ impl Poser {
         settings.check()?;
         let parameters = Parameters::new(&settings, self.handles.diagonal());
         self.levels.set_parameters(parameters);
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// The parameters.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// The last pose; `None` if there is none to start from. Another poser that is given it goes
+    /// on alike.
+    pub fn state(&self) -> Option<Snapshot> {
+        let targets = self.current.targets.as_deref()?;
+        Some(self.current.state.snapshot(targets))
+    }
+
+    /// Goes on from the state of another poser of the same mesh and handles.
+    ///
+    /// # Errors
+    /// If it is not of as many vertices, handles and free bodies, a number is not finite, or
+    /// beyond 1e100, or a quaternion is not of length 1.
+    pub fn set_state(&mut self, snapshot: Snapshot) -> Result<()> {
+        let fine = &self.levels.fine;
+        let mut state = State::of(&snapshot, fine.rest.len(), fine.body_count)?;
+        let (goals, motion) = self.handles.goals(&snapshot.targets)?;
+        fine.place(&goals, &mut state);
+        self.current = Current {
+            state,
+            goals,
+            motion,
+            targets: Some(snapshot.targets),
+        };
         Ok(())
     }
 
@@ -86,8 +122,8 @@ impl Poser {
     }
 
     fn cycle(&mut self, positions: &[[f64; 3]], stage: Stage) -> Result<f64> {
-        let (goals, motion) = self.handles.goals(positions)?;
-        self.current.cycle(&mut self.levels, goals, motion, stage)
+        let (handles, levels) = (&self.handles, &mut self.levels);
+        self.current.cycle(levels, handles, positions, stage)
     }
 
     /// A stationary pose for the target `positions`, the decrement being `tolerance` at most.
@@ -134,12 +170,52 @@ impl Poser {
             iterations += 1;
             left *= PROGRESS;
             stage.report(1.0 - left)?;
-            if decrement <= tolerance {
+            // No step helps where corners of a face are half a turn apart: either way is as short.
+            if decrement <= tolerance || movement == 0.0 {
                 break;
             }
         }
         stage.report(1.0)?;
         Ok(self.outcome(Some(decrement), movement, iterations))
+    }
+
+    /// Stationary poses for a sequence of targets, each starting from the one before.
+    ///
+    /// # Errors
+    /// As [`Self::solve`]; [`crate::Error::Memory`] at once if all of them do not fit.
+    pub fn solve_sequence(
+        &mut self,
+        sequence: &[Vec<[f64; 3]>],
+        tolerance: f64,
+    ) -> Result<Vec<Pose>> {
+        self.solve_sequence_with(sequence, tolerance, Monitor::new().whole())
+    }
+
+    /// [`Self::solve_sequence`], watched: `stage` tells how far it is, and cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::solve_sequence`]; [`crate::Error::Cancelled`] as [`Self::solve_with`].
+    pub fn solve_sequence_with(
+        &mut self,
+        sequence: &[Vec<[f64; 3]>],
+        tolerance: f64,
+        stage: Stage,
+    ) -> Result<Vec<Pose>> {
+        check_tolerance(tolerance)?;
+        let fine = &self.levels.fine;
+        let (vertices, count) = (fine.rest.len(), sequence.len());
+        let faces = fine.operators.gradient().face_areas().len();
+        stage.require(
+            needs::poses(needs::Size::new(vertices, faces), count),
+            &format!("posing {vertices} vertices {count} times"),
+            "take fewer at a time, or a mesh of fewer vertices",
+        )?;
+        let end = |index: usize| index as f64 / count as f64;
+        let solve = |(index, positions): (usize, &Vec<[f64; 3]>)| {
+            let share = stage.stage(end(index), end(index + 1));
+            self.solve_with(positions, tolerance, share)
+        };
+        sequence.iter().enumerate().map(solve).collect()
     }
 
     fn outcome(&self, decrement: Option<f64>, movement: f64, iterations: usize) -> Pose {
@@ -148,17 +224,14 @@ impl Poser {
         let mut displacement = Array2::from_shape_fn((3, rest.len()), |(axis, vertex)| {
             state.positions[vertex][axis] - rest[vertex][axis]
         });
-        self.handles.constraints.floating.carry(&mut displacement);
-        let rotations = Array2::from_shape_fn((4, rest.len()), |(part, vertex)| {
-            let rotation = &state.rotations[vertex];
-            match part {
-                0 => rotation.w,
-                part => rotation.imag()[part - 1],
-            }
+        let mut rotations = state.rotations.clone();
+        let floating = &self.handles.constraints.floating;
+        floating.carry_and(&mut displacement, |vertex, turn| {
+            rotations[vertex] = UnitQuaternion::from_rotation_matrix(turn).into_inner();
         });
         Pose {
             displacement,
-            rotations,
+            rotations: quaternions(&rotations),
             energy: self.levels.fine.value(state, &self.current.goals),
             decrement,
             movement,

@@ -53,7 +53,7 @@ impl Smoother {
     /// As [`Self::set_moves`].
     pub fn set_turns(&mut self, linearized: &Linearized, stage: Stage) -> Result<()> {
         let model = linearized.model;
-        let is_held = |vertex: usize| !matches!(model.roles[vertex], Role::Free | Role::Fixed);
+        let is_held = |vertex: usize| !matches!(model.roles[vertex], Role::Free | Role::Pinned);
         let mut masses = vec![0.0; model.rest.len()];
         for (corners, face) in model
             .operators
