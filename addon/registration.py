@@ -2,8 +2,9 @@
 
 A feature's ``__init__.py`` names in FILES, in order, the files that have classes of Blender. A
 property group with an ``owner``, a type of Blender's and a name, becomes a property of that type.
-VERBS are the feature's verbs of the command line. FORGET has functions that are called when Blender
-loads a file and when the extension is disabled. WITHDRAW has functions for the latter alone.
+VERBS are the feature's verbs of the command line. START has functions that are called when the
+extension is enabled. FORGET has functions that are called when Blender loads a file and when the
+extension is disabled. WITHDRAW has functions for the latter alone.
 """
 
 from collections.abc import Iterator
@@ -50,6 +51,8 @@ def register() -> None:
             setattr(owner, name, bpy.props.PointerProperty(type=cls, override=set(override)))
     bpy.app.handlers.load_pre.append(_forget)
     command_line.register(_all("VERBS"))
+    for start in _all("START"):
+        start()
 
 
 def unregister() -> None:

@@ -6,10 +6,22 @@ from . import (
     constraints,
     deform_operator,
     live_operator,
+    overlay,
     panel,
+    pick_operator,
     verb,
 )
 
-FILES = (constraints, constraint_operators, deform_operator, live_operator, bake_operator, panel)
+FILES = (
+    constraints,
+    constraint_operators,
+    deform_operator,
+    live_operator,
+    bake_operator,
+    pick_operator,
+    panel,
+)
 VERBS = (verb.Deform,)
-FORGET = (live_operator.end,)
+START = (overlay.start,)
+FORGET = (live_operator.end, pick_operator.end, overlay.forget)
+WITHDRAW = (overlay.withdraw,)

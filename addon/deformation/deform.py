@@ -13,7 +13,7 @@ from ..scene.places import kept_up
 from ..scene.surface import Surface
 from . import results, turning
 from .additions import note_additions
-from .constraints import deformation_of, followed_by, label_of, sharing
+from .constraints import FIRST_STEPS, deformation_of, followed_by, label_of, sharing
 from .grips import Grips
 
 ONE_AFTER_ANOTHER = "Live and Bake Animation need the algorithm Total Variation"
@@ -102,7 +102,7 @@ def deform_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why ``obj`` cannot be deformed now, in a sentence for the user; None if it can."""
     reason = refusal(obj)
     if reason is None and not deformation_of(obj).constraints:
-        reason = "The object has no constraints; add a pin and a handle"
+        reason = f"The object has no constraints; {FIRST_STEPS}"
     return reason or shared_refusal(obj)
 
 

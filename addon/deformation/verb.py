@@ -22,7 +22,7 @@ from ..scene.touching import touching
 from . import baking, constraints
 from .constraints import Settings, deformation_of
 from .deform import message, prepare, write
-from .empties import add_empty
+from .empties import constrain
 from .regions import Region, group_of
 
 
@@ -144,8 +144,8 @@ each frame."""
         for where, offset in self.choices.moves:
             if where not in here:
                 continue
-            constraint = constraints.add(obj, group_of(obj, where), "OBJECT")
-            empty = constraint.target = add_empty(obj, constraint.vertex_group)
+            constraint = constrain(obj, group_of(obj, where), "OBJECT")
+            empty = constraint.target
             rest = empty.matrix_world.copy()
             empty.matrix_world = Matrix.Translation(offset) @ rest
             if frames is not None:

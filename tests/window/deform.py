@@ -91,11 +91,7 @@ def deform_once(obj: bpy.types.Object) -> Steps[None]:
 
 def change_while_live() -> Steps[None]:
     """What is changed acts at once; while something is wrong, it waits and the panel says why."""
-    obj = new_dumbbell()
-    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
-        obj.vertex_groups.active = obj.vertex_groups[group]
-        with in_view():
-            bpy.ops.spectral_tv.constraint_add(kind=kind)
+    obj = held_dumbbell()
     handle = obj.spectral_tv.constraints[1].target
     yield from away()
     yield from click(*(yield from find("spectral_tv.deform_live", column=0.75)))
@@ -122,12 +118,8 @@ def change_while_live() -> Steps[None]:
 
 def take_what_turns() -> Steps[None]:
     """The panel says that pieces do not turn, and a button takes the algorithm that turns them."""
-    obj = new_dumbbell()
+    obj = held_dumbbell()
     obj.spectral_tv.algorithm = "CONVEX"
-    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
-        obj.vertex_groups.active = obj.vertex_groups[group]
-        with in_view():
-            bpy.ops.spectral_tv.constraint_add(kind=kind)
     obj.spectral_tv.constraints[1].target.rotation_euler.y = 1
     yield from away()
     yield from picture("panel_turning")
@@ -160,6 +152,16 @@ def new_dumbbell() -> bpy.types.Object:
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
     bpy.context.scene.spectral_tv.method = "M1"
+    return obj
+
+
+def held_dumbbell() -> bpy.types.Object:
+    """The same, one end pinned and the other one with a handle."""
+    obj = new_dumbbell()
+    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
+        obj.vertex_groups.active = obj.vertex_groups[group]
+        with in_view():
+            bpy.ops.spectral_tv.constraint_add(kind=kind)
     return obj
 
 
