@@ -24,7 +24,7 @@ FILES = {
     "scripting.md-4": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
     "scripting.md-6": ["mask.blend", "mask.csv"],
     "scripting.md-7": ["smooth.png"],
-    "scripting.md-14": ["splits.pickle"],
+    "scripting.md-15": ["splits.pickle"],
 }
 
 

@@ -1,12 +1,8 @@
 //! The class `Deformer`.
 
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
-use std::{process, thread};
+use std::sync::Arc;
 
 use ndarray::Array2;
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use spectral_tv::deformation;
@@ -14,12 +10,15 @@ use spectral_tv::memory::needs;
 use spectral_tv::monitor::Stage;
 
 use crate::arrays;
-use crate::deformation::{Handles, Shape};
+use crate::deformation::deformed;
 use crate::error::Failure;
+use crate::handles::Handles;
 use crate::job::{Job, guarded};
 use crate::mesh::Mesh;
+use crate::owned::Owned;
 use crate::parameters;
 use crate::pickling::{Parts, Pickled, Writer};
+use crate::shape::Shape;
 
 /// A mesh and the vertices that are constrained, to be deformed again and again.
 ///
@@ -45,7 +44,7 @@ use crate::pickling::{Parts, Pickled, Writer};
 ///     left to move, or softness is negative.
 #[pyclass(frozen, module = "spectral_tv")]
 pub struct Deformer {
-    inner: Arc<Owned>,
+    inner: Arc<Owned<deformation::Deformer>>,
     shape: Arc<Shape>,
     mesh: Py<Mesh>,
     handles: Handles,
@@ -94,7 +93,7 @@ impl Deformer {
         let targets = arrays::positions("targets", targets)?;
         let deformer = self.inner.take(py)?;
         let solution = guarded(py, |_| deformer.get().drag(&targets))?;
-        self.shape.deformed(py, solution)
+        deformed(py, &self.shape, solution)
     }
 
     /// Deform to the optimum.
@@ -169,7 +168,7 @@ impl Deformer {
         let targets = arrays::positions("targets", targets)?;
         let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
         let work = move |stage: Stage| take(stage)?.get().solve_with(&targets, tolerance, stage);
-        Job::start(work, move |py, solution| shape.deformed(py, solution))
+        Job::start(work, move |py, solution| deformed(py, &shape, solution))
     }
 
     /// Start `solve_sequence` in a thread of its own and return the `Job` at once. Other calls
@@ -191,7 +190,7 @@ impl Deformer {
         Job::start(work, move |py, solutions| {
             let deformed = solutions
                 .into_iter()
-                .map(|solution| shape.deformed(py, solution));
+                .map(|solution| deformed(py, &shape, solution));
             Ok(PyList::new(py, deformed.collect::<Result<Vec<_>, _>>()?)?.into_any())
         })
     }
@@ -215,7 +214,7 @@ impl Deformer {
     ) -> Result<Self, Failure> {
         let py = mesh.py();
         let constraints = handles.constraints(py, mesh.get())?;
-        let shape = Arc::new(Shape::new(mesh.get(), &constraints));
+        let shape = Arc::new(Shape::new(mesh.get(), constraints.floating()));
         let surface = &mesh.get().inner;
         let inner = guarded(py, |stage| {
             let mut inner = deformation::Deformer::new_with(surface, constraints, softness, stage)?;
@@ -251,11 +250,7 @@ impl Pickled for Deformer {
     fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
         let state = self.state(parts.py())?;
         parts.value("mesh", &self.mesh)?;
-        parts.list("indices", &self.handles.indices)?;
-        match &self.handles.weights {
-            Some(weights) => parts.list("weights", weights)?,
-            None => parts.value("weights", None::<()>)?,
-        }
+        self.handles.write(parts)?;
         parts.value("softness", self.softness)?;
         parts.value("is_at_rest", state.is_none())?;
         let vertices = self.mesh.get().inner.vertex_count();
@@ -264,14 +259,7 @@ impl Pickled for Deformer {
     }
 
     fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
-        let weights = match parts.optional("weights")? {
-            Some(weights) => Some(arrays::list("weights", &weights)?),
-            None => None,
-        };
-        let handles = Handles {
-            indices: parts.indices("indices")?,
-            weights,
-        };
+        let handles = Handles::read(parts)?;
         let state = match parts.value("is_at_rest")? {
             true => None,
             false => Some(parts.matrix("displacement")?),
@@ -281,92 +269,5 @@ impl Pickled for Deformer {
             .cast_into::<Mesh>()
             .map_err(PyErr::from)?;
         Self::with(mesh, handles, parts.value("softness")?, state)
-    }
-}
-
-/// A deformer, and the process whose thread is at work on it.
-///
-/// A fork copies a lock that another thread holds, but not the thread: nobody would ever unlock it.
-struct Owned {
-    /// 0 for nobody.
-    owner: AtomicU32,
-    deformer: Mutex<deformation::Deformer>,
-}
-
-/// How often to look whether other work has ended.
-const POLL: Duration = Duration::from_millis(1);
-
-impl Owned {
-    fn new(deformer: deformation::Deformer) -> Self {
-        Self {
-            owner: AtomicU32::new(0),
-            deformer: Mutex::new(deformer),
-        }
-    }
-
-    /// Refuses where work on it is in another process, and will not end in this one.
-    fn check(&self) -> PyResult<()> {
-        let owner = self.owner.load(Ordering::Acquire);
-        match owner == 0 || owner == process::id() {
-            true => Ok(()),
-            false => Err(PyRuntimeError::new_err(format!(
-                "process {owner}, of which this one is a fork, was at work on this Deformer at the \
-                 time; make a new one here"
-            ))),
-        }
-    }
-
-    /// Takes it unless other work has.
-    fn try_take(self: &Arc<Self>) -> Option<Taken> {
-        let (from, to) = (Ordering::AcqRel, Ordering::Relaxed);
-        let taken = self.owner.compare_exchange(0, process::id(), from, to);
-        taken.is_ok().then(|| Taken(Arc::clone(self)))
-    }
-
-    /// Takes it once other work has ended; Ctrl-C ends the wait.
-    fn take(self: &Arc<Self>, py: Python<'_>) -> PyResult<Taken> {
-        loop {
-            self.check()?;
-            if let Some(taken) = self.try_take() {
-                return Ok(taken);
-            }
-            py.check_signals()?;
-            py.detach(|| thread::sleep(POLL));
-        }
-    }
-
-    /// The same for a job, from when it starts; where other work is still at it, once that has ended.
-    fn take_for_job(
-        self: &Arc<Self>,
-    ) -> PyResult<impl FnOnce(Stage) -> spectral_tv::Result<Taken> + use<>> {
-        self.check()?;
-        let (owned, mut taken) = (Arc::clone(self), self.try_take());
-        Ok(move |stage: Stage| {
-            loop {
-                if let Some(taken) = taken {
-                    return Ok(taken);
-                }
-                stage.check()?;
-                thread::sleep(POLL);
-                taken = owned.try_take();
-            }
-        })
-    }
-}
-
-/// A deformer that nobody else is at work on, until this is dropped.
-struct Taken(Arc<Owned>);
-
-impl Taken {
-    fn get(&self) -> MutexGuard<'_, deformation::Deformer> {
-        // A panic leaves it in a state that the next solution overwrites.
-        let deformer = self.0.deformer.lock();
-        deformer.unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Drop for Taken {
-    fn drop(&mut self) {
-        self.0.owner.store(0, Ordering::Release);
     }
 }

@@ -27,6 +27,7 @@ mod operators;
 #[cfg(feature = "internals")]
 pub mod operators;
 mod parallel;
+pub mod posing;
 pub mod segmentation;
 #[cfg(not(feature = "internals"))]
 mod solver;

@@ -29,13 +29,13 @@ pub struct Constraints {
     closeness: f64,
     /// Vertices that are not solved for: those with an exact target, and floating ones.
     pub(super) fixed: Vec<bool>,
-    pub(super) floating: Floating,
+    pub(crate) floating: Floating,
     is_constrained: Vec<bool>,
 }
 
 /// The displacements that the constraints ask for.
 #[derive(Debug, Clone)]
-pub(super) struct Targets {
+pub(crate) struct Targets {
     /// c at constrained vertices, (3, V), or (C, V) in the coordinates of a span.
     pub displacements: Array2<f64>,
     /// κ of the penalty ½ Σ κ |d − c|² of soft constraints, V.
@@ -102,6 +102,16 @@ impl Constraints {
         &self.floating.is_floating
     }
 
+    /// The constrained vertices, as they were given.
+    pub(crate) fn vertices(&self) -> &[usize] {
+        &self.vertices
+    }
+
+    /// Whether the constraint with this number is exact.
+    pub(crate) fn is_exact(&self, entry: usize) -> bool {
+        self.firmness[entry].is_infinite()
+    }
+
     /// Whether there is an exact or soft target for `vertex`.
     pub(super) fn is_asked(&self, vertex: usize) -> bool {
         self.is_constrained[vertex]
@@ -112,7 +122,7 @@ impl Constraints {
     /// # Errors
     /// If the number of targets is another, one is not finite, or two exact targets of a vertex
     /// differ.
-    pub(super) fn targets(&self, positions: &[[f64; 3]]) -> Result<Targets> {
+    pub(crate) fn targets(&self, positions: &[[f64; 3]]) -> Result<Targets> {
         self.check(positions)?;
         let mut displacements = Array2::zeros((3, self.fixed.len()));
         let mut firmness = vec![0.0; self.fixed.len()];

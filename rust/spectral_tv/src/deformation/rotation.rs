@@ -12,7 +12,7 @@ const MOST_ITERATIONS: usize = 1000;
 /// one nearest to `known`: as a quaternion, the eigenvector of the largest eigenvalue of a
 /// symmetric matrix (Horn 1987, "Closed-form solution of absolute orientation using unit
 /// quaternions"). Unlike an iteration on rotations it ends whatever the rank of m.
-pub(super) fn nearest_rotation(covariance: Matrix3<f64>, known: &Rotation3<f64>) -> Rotation3<f64> {
+pub(crate) fn nearest_rotation(covariance: Matrix3<f64>, known: &Rotation3<f64>) -> Rotation3<f64> {
     let size = covariance.amax().max(f64::MIN_POSITIVE);
     let m = covariance / size + known.matrix() * INERTIA;
     let trace = m.trace();

@@ -1,0 +1,320 @@
+//! The Gauss–Newton matrix of a coarse mesh, factorized.
+
+use nalgebra::{Matrix3, SMatrix, Vector6};
+use ndarray::Array2;
+use sprs::CsMatI;
+
+use crate::error::Result;
+use crate::monitor::Stage;
+use crate::posing::field::Field;
+use crate::posing::linearized::Linearized;
+use crate::posing::model::{Model, Role};
+use crate::posing::state::rotated;
+use crate::solver::Cholesky;
+
+/// What keeps rotations that nothing asks for where they are, relative to the diagonal.
+const DAMPING: f64 = 1e-9;
+
+type Block = SMatrix<f64, 6, 6>;
+
+/// A group of unknowns that are coupled to the same others: a vertex's, or a body's.
+#[derive(Debug, Clone)]
+struct Node {
+    /// Its first unknown.
+    first: usize,
+    /// 6 for a free vertex, 3 for a pinned one or a body.
+    size: usize,
+    /// The nodes after it that it is coupled with, and where their rows begin behind its own.
+    others: Vec<(u32, u32)>,
+}
+
+/// The matrix of [`Linearized`], its pattern found once.
+pub(super) struct CoarseSystem {
+    nodes: Vec<Node>,
+    /// The node of each vertex; `None` for one that nothing moves.
+    node_of: Vec<Option<u32>>,
+    /// The first node of a body.
+    first_body: usize,
+    lower: CsMatI<f64, u32>,
+    cholesky: Cholesky,
+}
+
+impl CoarseSystem {
+    pub fn new(model: &Model, stage: Stage) -> Result<Self> {
+        let mut nodes = Vec::new();
+        let mut size = 0;
+        let mut new_node = |own: usize| {
+            nodes.push(Node {
+                first: size,
+                size: own,
+                others: Vec::new(),
+            });
+            size += own;
+            nodes.len() as u32 - 1
+        };
+        let mut node_of: Vec<Option<u32>> = model
+            .roles
+            .iter()
+            .map(|role| match role {
+                Role::Free => Some(new_node(6)),
+                Role::Pinned => Some(new_node(3)),
+                Role::Fixed | Role::Body(_) | Role::Floating => None,
+            })
+            .collect();
+        let bodies: Vec<u32> = (0..model.body_count).map(|_| new_node(3)).collect();
+        let first_body = nodes.len() - bodies.len();
+        for (node, role) in node_of.iter_mut().zip(&model.roles) {
+            if let Role::Body(body) = *role {
+                *node = Some(bodies[body as usize]);
+            }
+        }
+        let mut couple = |a: u32, b: u32| {
+            if a != b {
+                nodes[a.min(b) as usize].others.push((a.max(b), 0));
+            }
+        };
+        for corners in model.operators.gradient().triangles() {
+            let [i, j, k] = corners.map(|corner| node_of[corner as usize]);
+            for pair in [(i, j), (j, k), (k, i)] {
+                if let (Some(a), Some(b)) = pair {
+                    couple(a, b);
+                }
+            }
+        }
+        for (node, body) in node_of.iter().zip(&model.pulled_along) {
+            if let (Some(node), Some(body)) = (node, body) {
+                couple(*node, bodies[*body as usize]);
+            }
+        }
+        let sizes: Vec<usize> = nodes.iter().map(|node| node.size).collect();
+        let (mut starts, mut rows) = (vec![0_u32], Vec::new());
+        let firsts: Vec<usize> = nodes.iter().map(|node| node.first).collect();
+        for node in &mut nodes {
+            node.others.sort_unstable();
+            node.others.dedup();
+            let mut place = 0;
+            for (other, offset) in &mut node.others {
+                *offset = place;
+                place += sizes[*other as usize] as u32;
+            }
+            for column in 0..node.size {
+                rows.extend((column..node.size).map(|row| (node.first + row) as u32));
+                for &(other, _) in &node.others {
+                    let first = firsts[other as usize];
+                    rows.extend((first..first + sizes[other as usize]).map(|row| row as u32));
+                }
+                starts.push(rows.len() as u32);
+            }
+        }
+        let values = vec![0.0; rows.len()];
+        let lower = CsMatI::new_csc((size, size), starts, rows, values);
+        Ok(Self {
+            cholesky: Cholesky::analyse(&lower, stage)?,
+            nodes,
+            node_of,
+            first_body,
+            lower,
+        })
+    }
+
+    /// Takes the matrix of a quadratic model.
+    ///
+    /// # Errors
+    /// [`crate::Error::Solver`] if it is far from positive definite, or
+    /// [`crate::Error::Cancelled`].
+    pub fn factorize(&mut self, linearized: &Linearized, stage: Stage) -> Result<()> {
+        self.lower.data_mut().fill(0.0);
+        let model = linearized.model;
+        let gradient = model.operators.gradient();
+        let state = linearized.state();
+        // δx and ω of a vertex by the unknowns of its node.
+        let map = |vertex: usize| -> Block {
+            let mut map = Block::zeros();
+            match model.roles[vertex] {
+                Role::Free => map = Block::identity(),
+                Role::Pinned => map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity(),
+                Role::Body(body) => {
+                    let arm = rotated(&state.bodies[body as usize], &model.arms[vertex]);
+                    map.fixed_view_mut::<3, 3>(0, 0)
+                        .copy_from(&-arm.cross_matrix());
+                    map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
+                }
+                Role::Fixed | Role::Floating => {}
+            }
+            map
+        };
+        for (face, corners) in gradient.triangles().iter().enumerate() {
+            let term = &linearized.faces[face];
+            if term.weight == 0.0 {
+                continue;
+            }
+            let hats = &gradient.hats()[face];
+            let basis = &term.basis;
+            let spin: Matrix3<f64> = basis
+                .iter()
+                .map(|column| {
+                    Matrix3::from_diagonal_element(column.norm_squared())
+                        - column * column.transpose()
+                })
+                .sum::<Matrix3<f64>>()
+                / 9.0;
+            let corners = corners.map(|corner| corner as usize);
+            let maps = corners.map(map);
+            let lean = [0, 1, 2]
+                .map(|i| ((hats[i][0] * basis[0] + hats[i][1] * basis[1]) / 3.0).cross_matrix());
+            let crushed = term.crushed.as_ref().map(|crushed| {
+                [0, 1, 2].map(|i| {
+                    let by_columns = &crushed.by_columns;
+                    let moved = hats[i][0] * by_columns[0] + hats[i][1] * by_columns[1];
+                    let turned = crushed.by_turn / 3.0;
+                    let derivative = Vector6::from_iterator(moved.iter().chain(&turned).copied());
+                    crushed.firmness.sqrt() * derivative
+                })
+            });
+            for i in 0..3 {
+                for j in 0..3 {
+                    let (Some(a), Some(b)) = (self.node_of[corners[i]], self.node_of[corners[j]])
+                    else {
+                        continue;
+                    };
+                    if a < b {
+                        continue; // its transpose is added
+                    }
+                    let product = hats[i][0] * hats[j][0] + hats[i][1] * hats[j][1];
+                    let mut block = Block::zeros();
+                    block.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(product);
+                    block.fixed_view_mut::<3, 3>(0, 3).copy_from(&lean[i]);
+                    block
+                        .fixed_view_mut::<3, 3>(3, 0)
+                        .copy_from(&lean[j].transpose());
+                    let turning = model.parameters.stiffness * product;
+                    block
+                        .fixed_view_mut::<3, 3>(3, 3)
+                        .copy_from(&(spin + Matrix3::from_diagonal_element(turning)));
+                    if let Some(derivatives) = &crushed {
+                        block += derivatives[i] * derivatives[j].transpose();
+                    }
+                    let block = maps[i].transpose() * block * maps[j] * term.weight;
+                    self.add(a, b, &block);
+                }
+            }
+        }
+        for vertex in 0..model.rest.len() {
+            let Some(node) = self.node_of[vertex] else {
+                continue;
+            };
+            let (spring, body) = linearized.spring(vertex);
+            let own = linearized.diagonal(vertex);
+            let map = map(vertex);
+            let mut block = Block::zeros();
+            block.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(own);
+            self.add(node, node, &(map.transpose() * block * map));
+            if let (true, Some(body)) = (spring > 0.0, body) {
+                let arm = rotated(&state.bodies[body as usize], &model.arms[vertex]);
+                let lever = arm.cross_matrix();
+                let mut own = Block::zeros();
+                own.fixed_view_mut::<3, 3>(0, 0)
+                    .copy_from(&(lever.transpose() * lever * spring));
+                let body_node = (self.first_body + body as usize) as u32;
+                self.add(body_node, body_node, &own);
+                // −⟨ω × arm, δx⟩ = ⟨ω, [arm] … ⟩: rows of the body, columns of the vertex.
+                let mut between = Block::zeros();
+                between
+                    .fixed_view_mut::<3, 3>(0, 0)
+                    .copy_from(&(-lever * spring));
+                let between = between * map;
+                self.add(body_node, node, &between);
+            }
+        }
+        for (column, mut entries) in self.lower.outer_iterator_mut().enumerate() {
+            if let Some(diagonal) = entries.get_mut(column) {
+                *diagonal = *diagonal * (1.0 + DAMPING) + f64::MIN_POSITIVE;
+            }
+        }
+        self.cholesky.factorize(&self.lower, stage)
+    }
+
+    /// Adds a block at the rows of node `a` and the columns of `b`, a ≥ b.
+    fn add(&mut self, a: u32, b: u32, block: &Block) {
+        let node = &self.nodes[b as usize];
+        let (rows, columns) = (self.nodes[a as usize].size, node.size);
+        let starts = self.lower.proper_indptr();
+        let starts = &starts[node.first..node.first + columns];
+        let offset = match a == b {
+            true => None,
+            false => {
+                let found = node.others.binary_search_by_key(&a, |other| other.0);
+                Some(node.others[found.expect("every coupling is in the pattern")].1 as usize)
+            }
+        };
+        let starts: Vec<usize> = starts.iter().map(|&start| start as usize).collect();
+        let values = self.lower.data_mut();
+        for (column, start) in starts.into_iter().enumerate() {
+            match offset {
+                None => {
+                    for row in column..rows {
+                        values[start + row - column] += block[(row, column)];
+                    }
+                }
+                Some(offset) => {
+                    for row in 0..rows {
+                        values[start + columns - column + offset + row] += block[(row, column)];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Solves for a field of what moves freely.
+    pub fn solve(&mut self, field: &Field, model: &Model) -> Field {
+        let size = self.lower.cols();
+        let mut values = Array2::zeros((1, size));
+        for (vertex, role) in model.roles.iter().enumerate() {
+            let Some(node) = self.node_of[vertex] else {
+                continue;
+            };
+            let first = self.nodes[node as usize].first;
+            for axis in 0..3 {
+                match role {
+                    Role::Free => {
+                        values[[0, first + axis]] = field.moves[vertex][axis];
+                        values[[0, first + 3 + axis]] = field.turns[vertex][axis];
+                    }
+                    Role::Pinned => values[[0, first + axis]] = field.turns[vertex][axis],
+                    Role::Fixed | Role::Body(_) | Role::Floating => {}
+                }
+            }
+        }
+        for (body, torque) in field.bodies.iter().enumerate() {
+            let first = self.nodes[self.first_body + body].first;
+            for axis in 0..3 {
+                values[[0, first + axis]] = torque[axis];
+            }
+        }
+        self.cholesky.solve_in_place(&mut values);
+        let mut found = Field::zeros(field.moves.len(), field.bodies.len());
+        for (vertex, role) in model.roles.iter().enumerate() {
+            let Some(node) = self.node_of[vertex] else {
+                continue;
+            };
+            let first = self.nodes[node as usize].first;
+            for axis in 0..3 {
+                match role {
+                    Role::Free => {
+                        found.moves[vertex][axis] = values[[0, first + axis]];
+                        found.turns[vertex][axis] = values[[0, first + 3 + axis]];
+                    }
+                    Role::Pinned => found.turns[vertex][axis] = values[[0, first + axis]],
+                    Role::Fixed | Role::Body(_) | Role::Floating => {}
+                }
+            }
+        }
+        for (body, turn) in found.bodies.iter_mut().enumerate() {
+            let first = self.nodes[self.first_body + body].first;
+            for axis in 0..3 {
+                turn[axis] = values[[0, first + axis]];
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,344 @@
+//! What holds a mesh while it is posed.
+
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+
+use crate::deformation::{Constraints, nearest_rotation};
+use crate::error::{ArgumentError, Result};
+use crate::mesh::TriangleMesh;
+use crate::posing::current::Current;
+use crate::posing::frames::Frames;
+use crate::posing::model::{Goals, Role};
+use crate::posing::state::{State, rotated};
+
+/// What no turn counts, relative to the handles, in finding what they have in common.
+const PRIOR: f64 = 0.1;
+/// Off the common motion by no more than this, relative to the diagonal, is on it.
+const ON_IT: f64 = 1e-7;
+const MOST_ITERATIONS: usize = 60;
+
+/// Constrained vertices, and which of them turn freely.
+#[derive(Debug, Clone)]
+pub struct Handles {
+    pub(super) constraints: Constraints,
+    pub(super) roles: Vec<Role>,
+    pub(super) arms: Vec<Vector3<f64>>,
+    pub(super) pulled_along: Vec<Option<u32>>,
+    /// Of every free body: its entries, and where the mean of them is at rest.
+    pub(super) bodies: Vec<Body>,
+    frames: Frames,
+    rest: Vec<Vector3<f64>>,
+    masses: Vec<f64>,
+    diagonal: f64,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Body {
+    pub vertices: Vec<usize>,
+    pub centre: Vector3<f64>,
+}
+
+/// What a point counts, where it is at rest, and where it goes.
+type Pair = (f64, Vector3<f64>, Vector3<f64>);
+
+/// A rigid motion: turns, then moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Motion {
+    pub rotation: Quaternion<f64>,
+    pub translation: Vector3<f64>,
+}
+
+impl Motion {
+    pub fn none() -> Self {
+        Self {
+            rotation: Quaternion::identity(),
+            translation: Vector3::zeros(),
+        }
+    }
+
+    pub fn applied(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        rotated(&self.rotation, point) + self.translation
+    }
+
+    /// Moves a whole state.
+    pub fn carry(&self, state: &mut State) {
+        if *self == Self::none() {
+            return;
+        }
+        for position in &mut state.positions {
+            *position = self.applied(position);
+        }
+        for rotation in state.rotations.iter_mut().chain(&mut state.bodies) {
+            *rotation = (self.rotation * *rotation).normalize();
+        }
+    }
+
+    /// What leads from this one to `next`.
+    pub fn to(&self, next: &Self) -> Self {
+        let rotation = next.rotation * self.rotation.conjugate();
+        let translation = next.translation - rotated(&rotation, &self.translation);
+        Self {
+            rotation,
+            translation,
+        }
+    }
+}
+
+impl Handles {
+    /// Constrains `indices`, with weights as [`Constraints::new`] takes them. `bodies` has a number
+    /// for each: −1 for one that goes to its target, turned as the faces between such ones are. Those with the same other number are one rigid
+    /// body that turns as it likes, its centre going to the mean of their targets; soft ones are
+    /// pulled along with it.
+    ///
+    /// # Errors
+    /// As [`Constraints::new`]; if there is not one number per constrained vertex, one is below −1,
+    /// or a vertex is in two bodies.
+    pub fn new(
+        mesh: &TriangleMesh,
+        indices: &[i64],
+        weights: Option<&[f64]>,
+        bodies: Option<&[i64]>,
+    ) -> Result<Self> {
+        let constraints = Constraints::new(mesh, indices, weights)?;
+        let rest: Vec<Vector3<f64>> = mesh.vertices().iter().map(|&p| p.into()).collect();
+        let none = vec![-1; indices.len()];
+        let numbers = bodies.unwrap_or(&none);
+        if numbers.len() != indices.len() {
+            let must = format!(
+                "must have one number per constrained vertex ({})",
+                indices.len()
+            );
+            return Err(ArgumentError::value("bodies", must, numbers.len()).into());
+        }
+        let mut known: Vec<i64> = numbers.iter().copied().filter(|&n| n >= 0).collect();
+        known.sort_unstable();
+        known.dedup();
+        let mut roles: Vec<Role> = constraints
+            .floating()
+            .iter()
+            .map(|&floating| if floating { Role::Floating } else { Role::Free })
+            .collect();
+        let mut pulled_along = vec![None; rest.len()];
+        let mut of_body = vec![None; rest.len()];
+        for (entry, (&vertex, &number)) in constraints.vertices().iter().zip(numbers).enumerate() {
+            if number < -1 {
+                let name = format!("bodies[{entry}]");
+                return Err(ArgumentError::value(name, "must be −1 or more", number).into());
+            }
+            let body = known.binary_search(&number).ok().map(|body| body as u32);
+            let is_exact = constraints.is_exact(entry);
+            match (is_exact, body) {
+                (true, None) => roles[vertex] = Role::Fixed,
+                (true, Some(body)) if roles[vertex] != Role::Fixed => {
+                    roles[vertex] = Role::Body(body);
+                }
+                (false, Some(body)) => pulled_along[vertex] = Some(body),
+                _ => {}
+            }
+            if let Some(body) = body {
+                if of_body[vertex].is_some_and(|other| other != body) {
+                    return Err(ArgumentError::contradiction(
+                        format!("bodies[{entry}]"),
+                        &["indices"],
+                        format!("vertex {vertex} is in two free bodies"),
+                    )
+                    .into());
+                }
+                of_body[vertex] = Some(body);
+            }
+        }
+        let frames = Frames::new(mesh, &roles);
+        for (vertex, role) in roles.iter_mut().enumerate() {
+            if *role == Role::Fixed && !frames.are_at(vertex) {
+                *role = Role::Pinned;
+            }
+        }
+        let of = |body: u32, is_wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            let vertices = of_body.iter().enumerate();
+            vertices
+                .filter(|(vertex, own)| **own == Some(body) && is_wanted(*vertex))
+                .map(|(vertex, _)| vertex)
+                .collect()
+        };
+        let bodies: Vec<Body> = (0..known.len() as u32)
+            .map(|body| {
+                let mut vertices = of(body, &|vertex| roles[vertex] == Role::Body(body));
+                if vertices.is_empty() {
+                    vertices = of(body, &|_| true);
+                }
+                let sum: Vector3<f64> = vertices.iter().map(|&vertex| rest[vertex]).sum();
+                Body {
+                    centre: sum / vertices.len() as f64,
+                    vertices,
+                }
+            })
+            .collect();
+        let mut arms = vec![Vector3::zeros(); rest.len()];
+        for vertex in 0..rest.len() {
+            if !matches!(roles[vertex], Role::Body(_)) && roles[vertex] != Role::Free {
+                pulled_along[vertex] = None;
+            }
+            let body = match roles[vertex] {
+                Role::Body(body) => {
+                    pulled_along[vertex] = None;
+                    Some(body)
+                }
+                _ => pulled_along[vertex],
+            };
+            if let Some(body) = body {
+                arms[vertex] = rest[vertex] - bodies[body as usize].centre;
+            }
+        }
+        Ok(Self {
+            masses: mesh.vertex_areas().to_vec(),
+            diagonal: diagonal(&rest),
+            frames,
+            constraints,
+            roles,
+            arms,
+            pulled_along,
+            bodies,
+            rest,
+        })
+    }
+
+    /// Whether each vertex is in a connected component without constraints: it goes with the
+    /// surface nearest to it.
+    pub fn floating(&self) -> &[bool] {
+        self.constraints.floating()
+    }
+
+    /// The diagonal of the bounding box, D.
+    pub(super) fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Where all is before anything moves.
+    pub(super) fn at_rest(&self) -> Current {
+        Current {
+            state: State::at_rest(&self.rest, self.bodies.len()),
+            goals: Goals {
+                positions: self.rest.clone(),
+                rotations: vec![Quaternion::identity(); self.rest.len()],
+                still: self.rest.clone(),
+                springs: vec![0.0; self.rest.len()],
+                centres: self.bodies.iter().map(|body| body.centre).collect(),
+            },
+            motion: Motion::none(),
+            targets: None,
+        }
+    }
+
+    /// Where target `positions` take what is held, and the motion that most of it has in common.
+    pub(super) fn goals(&self, positions: &[[f64; 3]]) -> Result<(Goals, Motion)> {
+        let targets = self.constraints.targets(positions)?;
+        let moved = |vertex: usize| {
+            Vector3::from_fn(|axis, _| targets.displacements[[axis, vertex]]) + self.rest[vertex]
+        };
+        let positions: Vec<Vector3<f64>> = (0..self.rest.len()).map(moved).collect();
+        let centres: Vec<Vector3<f64>> = self
+            .bodies
+            .iter()
+            .map(|body| {
+                let sum: Vector3<f64> = body.vertices.iter().map(|&v| positions[v]).sum();
+                sum / body.vertices.len() as f64
+            })
+            .collect();
+        let motion = self.common_motion(&positions, &centres);
+        let goals = Goals {
+            still: self.rest.iter().map(|p| motion.applied(p)).collect(),
+            rotations: self.frames.rotations(&positions),
+            positions,
+            springs: targets.springs,
+            centres,
+        };
+        Ok((goals, motion))
+    }
+
+    /// The rigid motion of the least Σ m |M p − t| over what is held, which is that of the greater
+    /// part if it moves rigidly.
+    fn common_motion(&self, positions: &[Vector3<f64>], centres: &[Vector3<f64>]) -> Motion {
+        let mut points: Vec<Pair> = Vec::new();
+        let mut body_masses = vec![0.0; self.bodies.len()];
+        for (vertex, role) in self.roles.iter().enumerate() {
+            match *role {
+                Role::Pinned | Role::Fixed => {
+                    points.push((self.masses[vertex], self.rest[vertex], positions[vertex]));
+                }
+                Role::Body(body) => body_masses[body as usize] += self.masses[vertex],
+                _ => {}
+            }
+        }
+        for ((body, mass), centre) in self.bodies.iter().zip(body_masses).zip(centres) {
+            points.push((mass, body.centre, *centre));
+        }
+        let total: f64 = points.iter().map(|point| point.0).sum();
+        let none = Motion::none();
+        let is_still = |p: &Pair| p.1 == p.2;
+        let still: f64 = points.iter().filter(|p| is_still(p)).map(|p| p.0).sum();
+        if still >= 0.5 * total {
+            return none;
+        }
+        let close = 1e-9 * self.diagonal;
+        // Turns that a line or a point leaves open are none.
+        let prior = PRIOR * total * self.diagonal;
+        let mut motion = none;
+        for _ in 0..MOST_ITERATIONS {
+            let weight = |p: &Pair| p.0 / (motion.applied(&p.1) - p.2).norm().max(close);
+            let next = fitted(&points, &motion, prior, weight);
+            let apart = (motion.to(&next).rotation.imag().norm() * self.diagonal).max(
+                motion
+                    .to(&next)
+                    .applied(&points[0].2)
+                    .metric_distance(&points[0].2),
+            );
+            motion = next;
+            if apart < close {
+                break;
+            }
+        }
+        // To rounding, if the greater part has it exactly.
+        let is_on = |p: &Pair| (motion.applied(&p.1) - p.2).norm() < ON_IT * self.diagonal;
+        let on_it: f64 = points.iter().filter(|p| is_on(p)).map(|p| p.0).sum();
+        match on_it > 0.5 * total {
+            true => fitted(&points, &motion, 0.0, |p| if is_on(p) { p.0 } else { 0.0 }),
+            false => motion,
+        }
+    }
+}
+
+/// The rigid motion of least Σ w |M p − t|², no turn counting as much as `prior`, mass × length².
+fn fitted(points: &[Pair], known: &Motion, prior: f64, weight: impl Fn(&Pair) -> f64) -> Motion {
+    let weights: Vec<f64> = points.iter().map(weight).collect();
+    let total: f64 = weights.iter().sum();
+    if total <= 0.0 {
+        return *known;
+    }
+    let (mut before, mut after) = (Vector3::zeros(), Vector3::zeros());
+    for (point, weight) in points.iter().zip(&weights) {
+        before += weight / total * point.1;
+        after += weight / total * point.2;
+    }
+    let mut covariance = Matrix3::from_diagonal_element(prior);
+    for (point, weight) in points.iter().zip(&weights) {
+        covariance += *weight * (point.2 - after) * (point.1 - before).transpose();
+    }
+    let known = UnitQuaternion::from_quaternion(known.rotation).to_rotation_matrix();
+    let rotation: Rotation3<f64> = nearest_rotation(covariance, &known);
+    let rotation = UnitQuaternion::from_rotation_matrix(&rotation).into_inner();
+    Motion {
+        translation: after - rotated(&rotation, &before),
+        rotation,
+    }
+}
+
+fn bounds(points: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
+    let first = points.first().copied().unwrap_or_default();
+    points.iter().fold((first, first), |(least, most), point| {
+        (least.inf(point), most.sup(point))
+    })
+}
+
+fn diagonal(points: &[Vector3<f64>]) -> f64 {
+    let (least, most) = bounds(points);
+    (most - least).norm()
+}
