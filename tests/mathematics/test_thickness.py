@@ -115,9 +115,15 @@ def test_a_box_with_grooves_and_panels_is_as_thick_as_the_box():
     assert np.abs(thickness(machined_box(knob=0)) - 1).max() < 0.1
 
 
-def test_a_knob_has_its_own_thickness_and_lowers_only_what_is_near():
+@pytest.mark.parametrize("copies", [1, 2, 3, 4])
+def test_a_knob_has_its_own_thickness_and_lowers_only_what_is_near(copies):
+    """However many samples fall on it: parts of the same size share them."""
     vertices, triangles = machined_box(knob=0.5)
-    radii = thickness((vertices, triangles))
+    shape = (
+        np.vstack([np.add(vertices, [3 * copy, 0, 0]) for copy in range(copies)]),
+        np.vstack([triangles + copy * len(vertices) for copy in range(copies)]),
+    )
+    radii = thickness(shape)[: len(vertices)]
     top = vertices[:, 2] > 1.2
     assert np.abs(radii[top] / 0.175 - 1).max() < 0.15
     distance = np.linalg.norm(vertices[~top] - [0, 0, 1.08], axis=1)

@@ -134,22 +134,29 @@ pub(super) fn smoothed(
     radii: Vec<f64>,
     stage: Stage,
 ) -> Result<Vec<f64>> {
-    // Neighbours are at h² = 2/(√3 V); a pass diffuses for h²/8.
+    // Neighbours are at h² = 2/(√3 V) on the whole; a pass diffuses for h²/8, where they are farther too.
     let passes = (SMOOTHING * 4.0 * 3.0_f64.sqrt() * radii.len() as f64).clamp(1.0, PASSES);
+    let spacing = (2.0 / (3.0_f64.sqrt() * radii.len() as f64)).sqrt();
     let mut logarithms = parallel::map(&radii, |radius| radius.ln());
     for _ in 0..passes.round() as usize {
         stage.check()?;
         logarithms = parallel::values(logarithms.len(), |vertex| {
             let own = logarithms[vertex];
-            let (mut sum, mut total) = (0.0, 0.0);
+            let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
             for other in incidence.around(shape, vertex as u32) {
                 let weight = shape.distance(vertex as u32, other).max(SHORTEST).recip();
                 if other as usize != vertex {
                     sum += weight * (logarithms[other as usize] - own);
                     total += weight;
+                    count += 1.0;
                 }
             }
-            own + if total > 0.0 { 0.5 * sum / total } else { 0.0 }
+            let share = 0.5 * (spacing * total / count).powi(2).min(1.0);
+            own + if total > 0.0 {
+                share * sum / total
+            } else {
+                0.0
+            }
         });
     }
     Ok(parallel::map(&logarithms, |logarithm| logarithm.exp()))

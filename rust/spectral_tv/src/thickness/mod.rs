@@ -6,26 +6,29 @@
 //! 1. `scaled`: the mesh in units of its own size, in its connected parts;
 //! 2. `outward`: which side of each triangle is outside;
 //! 3. `samples`: points all over the surface;
-//! 4. `ball`: the ball at each point that touches the surface from inside (the shrinking-ball
-//!    algorithm of Ma, Bae and Choi 2012);
+//! 4. `inscribed`: the `ball` at each point that touches the surface from inside (the shrinking-ball
+//!    algorithm of Ma, Bae and Choi 2012), grown where the `space` around it has more room;
 //! 5. `reach`: the largest ball that reaches each vertex. This passes over the small balls below
 //!    bumps, grooves and folds of the skin, but not onto what stands out;
 //! 6. `limit`: from thin parts on, thickness grows slowly along the surface.
 
 mod ball;
 mod incidence;
+mod inscribed;
 mod limit;
 mod outward;
 mod reach;
 mod samples;
 mod scaled;
+mod search;
+mod space;
 mod triangle;
 
 use crate::error::Result;
 use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
-use ball::Balls;
 use incidence::Incidence;
+use inscribed::Balls;
 use limit::{filled, limited, smoothed};
 use outward::Outward;
 use reach::reached;

@@ -3,8 +3,9 @@
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::parallel;
-use crate::thickness::ball::{Ball, Balls};
+use crate::thickness::ball::Ball;
 use crate::thickness::incidence::Incidence;
+use crate::thickness::inscribed::Balls;
 use crate::thickness::outward::Outward;
 use crate::thickness::scaled::{Scaled, difference, dot, square_distance};
 
@@ -31,11 +32,15 @@ pub(super) fn reached(
     balls: &Balls,
     stage: Stage,
 ) -> Result<Vec<f64>> {
-    let normals = |face: usize| outward.normal(shape, face as u32);
+    let side = |face: usize| {
+        let corners = shape.corners(face as u32);
+        let middle = std::array::from_fn(|axis| corners.iter().map(|p| p[axis]).sum::<f64>() / 3.0);
+        [middle, outward.normal(shape, face as u32)]
+    };
     let mut reached = Reached {
         shape,
         incidence,
-        normals: stage.pass(|| parallel::values(shape.triangles.len(), normals))?,
+        sides: stage.pass(|| parallel::values(shape.triangles.len(), side))?,
         radii: vec![0.0; shape.points.len()],
         aside: vec![(0, 0.0); shape.points.len()],
         last: vec![0; shape.triangles.len()],
@@ -66,8 +71,8 @@ pub(super) fn reached(
 struct Reached<'a> {
     shape: &'a Scaled,
     incidence: &'a Incidence,
-    /// Of the triangles, outward, F.
-    normals: Vec<[f64; 3]>,
+    /// The middles of the triangles, and their normals, outward, F.
+    sides: Vec<[[f64; 3]; 2]>,
     radii: Vec<f64>,
     /// Which ball came by a vertex last, by its number, and how far it had gone on over triangles that
     /// do not face it, V.
@@ -91,11 +96,15 @@ impl Reached<'_> {
                 if self.last[face as usize] == self.count {
                     continue;
                 }
-                let is_facing = self.facing(face, ball) > FACING;
+                let is_facing = self.is_facing(face, ball);
                 if is_facing {
                     self.last[face as usize] = self.count;
                 }
                 for corner in self.shape.triangles[face as usize] {
+                    let known = self.aside[corner as usize];
+                    if known == (self.count, 0.0) {
+                        continue;
+                    }
                     let point = self.shape.points[corner as usize];
                     if square_distance(point, ball.center) > farthest {
                         continue;
@@ -106,10 +115,9 @@ impl Reached<'_> {
                     } else {
                         before + self.shape.distance(vertex, corner)
                     };
-                    let known = &mut self.aside[corner as usize];
                     let is_nearer = known.0 != self.count || aside < known.1;
                     if is_nearer && aside <= ASIDE * ball.radius {
-                        *known = (self.count, aside);
+                        self.aside[corner as usize] = (self.count, aside);
                         front.push(corner);
                     }
                 }
@@ -122,16 +130,12 @@ impl Reached<'_> {
         *radius = radius.max(ball.radius);
     }
 
-    /// The cosine between the normal of a triangle and its direction from the center of a ball.
-    fn facing(&self, face: u32, ball: &Ball) -> f64 {
-        let corners = self.shape.corners(face);
-        let middle = std::array::from_fn(|axis| corners.iter().map(|p| p[axis]).sum::<f64>() / 3.0);
+    /// Whether a triangle faces away from the center of a ball.
+    fn is_facing(&self, face: u32, ball: &Ball) -> bool {
+        let [middle, normal] = self.sides[face as usize];
         let across = difference(middle, ball.center);
-        let cosine = dot(self.normals[face as usize], across) / dot(across, across).sqrt();
-        if ball.is_either_side {
-            cosine.abs()
-        } else {
-            cosine
-        }
+        let depth = dot(normal, across);
+        let is_outer = depth > 0.0 || ball.is_either_side;
+        is_outer && depth * depth > FACING * FACING * dot(across, across)
     }
 }

@@ -6,7 +6,7 @@ use crate::thickness::scaled::{Scaled, square_distance};
 
 /// Points at which balls are inscribed, over all parts: half of them as the area is, half of them as
 /// the triangles are, as fine parts have finer ones.
-const SAMPLES: usize = 2500;
+const SAMPLES: usize = 4000;
 /// Points of a part, at least.
 const FEWEST: usize = 16;
 /// How far the points by which balls know the surface are from one another at most.
@@ -28,7 +28,7 @@ pub(super) struct Sample {
 pub(super) fn samples(shape: &Scaled, part: &[u32]) -> (Vec<Sample>, usize) {
     let area = shape.area_of(part);
     let share = 0.5 * (area + part.len() as f64 / shape.triangles.len() as f64);
-    let half = (share * SAMPLES as f64 / 2.0).ceil() as usize;
+    let half = (share * SAMPLES as f64 / 2.0).round() as usize;
     let half = half.max(FEWEST / 2);
     let mut found = Vec::with_capacity(2 * half);
     let (mut faces, mut reached) = (part.iter(), 0.0);

@@ -105,3 +105,8 @@ pub(super) fn square_distance(p: [f64; 3], q: [f64; 3]) -> f64 {
 pub(super) fn along(point: [f64; 3], length: f64, direction: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| point[axis] + length * direction[axis])
 }
+
+/// The opposite direction.
+pub(super) fn inverse(direction: [f64; 3]) -> [f64; 3] {
+    direction.map(|x| -x)
+}
