@@ -8,8 +8,10 @@ from . import (
     live_operator,
     panel,
     verb,
+    versions,
 )
 
 FILES = (constraints, constraint_operators, deform_operator, live_operator, bake_operator, panel)
 VERBS = (verb.Deform,)
+LOADED = (versions.keep_algorithms,)
 FORGET = (live_operator.end,)
