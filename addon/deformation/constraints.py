@@ -1,5 +1,6 @@
 """What holds and moves an object in a deformation: kept in the file, on the object."""
 
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..options.declaring import Only, choice, number
+from ..options.declaring import Only, choice, number, options_of
 from ..options.properties import choices_of
 from ..scene.fingerprints import Fingerprint
 from ..scene.objects import Refusal
@@ -207,6 +208,14 @@ class Settings:
         "limbs", 0.5, 0, 100, soft_most=2, digits=2, applies=POSING, place="follow",
         keyword="stillness", refused=True
     )  # fmt: skip
+
+
+def algorithm_for(options: Collection[str]) -> str | None:
+    """The algorithm that the first of several options is for that is for one alone."""
+    for name, option in options_of(Settings).items():
+        if option.applies and name in options:
+            return option.applies[0].values[0]
+    return None
 
 
 DeformationChoices = choices_of(Settings, "follow")

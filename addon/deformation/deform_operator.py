@@ -5,7 +5,7 @@ import numpy as np
 
 from ..job.operator import JobOperator
 from ..job.steps import Steps
-from .constraints import DeformationChoices, deformation_of
+from .constraints import DeformationChoices, algorithm_for, deformation_of
 from .deform import Deformable, deform_refusal, prepare, write
 from .solvers import Solved, Solver
 
@@ -26,9 +26,13 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator)
         return deform_refusal(context.active_object)
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        for name in DeformationChoices.__annotations__:
-            if not self.properties.is_property_set(name):
+        names = DeformationChoices.__annotations__
+        given = [name for name in names if self.properties.is_property_set(name)]
+        for name in names:
+            if name not in given:
                 setattr(self, name, getattr(deformation_of(obj), name))
+        if "algorithm" not in given:  # an option of one algorithm asks for it
+            self.algorithm = algorithm_for(given) or self.algorithm
         return prepare(obj, self.settings())
 
     def start(self, prepared: Prepared) -> Steps[Solved]:

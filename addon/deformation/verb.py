@@ -21,7 +21,7 @@ from ..scene.objects import Refusal, refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching
 from . import baking, constraints
-from .constraints import Settings, deformation_of
+from .constraints import Settings, algorithm_for, deformation_of
 from .deform import prepare, write
 from .empties import add_empty
 from .regions import Region, group_of
@@ -105,19 +105,14 @@ each frame."""
         if choices.unturned and not choices.moves:
             return "--unturned goes with --move"
         if choices.algorithm is None:
-            choices.algorithm = self._implied()
+            given = [name for name in options_of(Settings) if getattr(choices, name) is not None]
+            implied = algorithm_for(given)
+            choices.algorithm = None if implied is None else implied.lower()
         reason = complaint(choices, Settings, self.asked)
         if reason is None and choices.frames is not None and choices.algorithm is not None:
             is_still = follow_complaint(self.asked.algorithm) is not None
             reason = "--frames goes with --algorithm pose or convex" if is_still else None
         return reason
-
-    def _implied(self) -> str | None:
-        """The algorithm that the options given are for; None if they are for any."""
-        for name, option in options_of(Settings).items():
-            if option.applies and getattr(self.choices, name) is not None:
-                return option.applies[0].values[0].lower()
-        return None
 
     def choose(self) -> list[bpy.types.Object]:
         """All meshes, or those with constraints if none are given."""

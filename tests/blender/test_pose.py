@@ -222,6 +222,19 @@ def test_what_joints_are_like_is_chosen(held):
     np.testing.assert_allclose(key_positions(held), usual, atol=1e-6)
 
 
+def test_an_option_of_one_algorithm_asks_for_it(held):
+    """As scripts of before do, which give the softness alone."""
+    move(held, 1, 0, -0.5)
+    shapes = []
+    for options in ({"softness": 9}, {"softness": 9, "algorithm": "CONVEX"}):
+        bpy.ops.spectral_tv.deform(**options)
+        shapes.append(key_positions(held))
+    np.testing.assert_array_equal(*shapes)
+    held.spectral_tv.algorithm = "CONVEX"
+    bpy.ops.spectral_tv.deform(stillness=0.5)
+    assert degrees(rotation(held, members(held, "Head"))) > 25
+
+
 def test_live_follows_and_settles_at_the_pose(held):
     live = live_of(held)
     head = members(held, "Head")
