@@ -50,13 +50,16 @@ class Deformable:
     def note_turning(
         self, obj: bpy.types.Object, targets: list[np.ndarray], algorithm: str
     ) -> None:
-        """Note if handles turn on the way to one of the ``targets``, and pieces do not."""
+        """Note if handles turn, or grow, on the way to ``targets``, and pieces do not."""
         counts = turning.counting(obj, algorithm)
         own = self.grips.is_own & np.isin(self.grips.owners, counts)  # others turn the other way
         owners, rest = self.grips.owners[own], self.grips.rest[own]
         angle = max(turning.of_points(owners, rest, each[own]) for each in targets)
-        text = turning.told(angle, algorithm)
-        if text is not None:
+        texts = [turning.told(angle, algorithm)]
+        if algorithm == "POSE":
+            factor = max(turning.growth_of_points(owners, rest, each[own]) for each in targets)
+            texts.append(turning.told_growth(factor))
+        for text in filter(None, texts):
             note(text)
 
 

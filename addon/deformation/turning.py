@@ -19,8 +19,8 @@ from .constraints import (
     label_of,
 )
 
-# Degrees below which nobody sees it.
-NOTICED = 5.0
+# Degrees, and the part of a size, below which nobody sees it.
+NOTICED, NOTICED_GROWTH = 5.0, 0.03
 
 
 def counting(obj: bpy.types.Object, algorithm: str) -> list[int]:
@@ -62,6 +62,29 @@ def of_points(owners: np.ndarray, before: np.ndarray, after: np.ndarray) -> floa
         one, other = one - one.mean(axis=0), other - other.mean(axis=0)
         angles.append(_angle(other.T @ one))
     return max(angles)
+
+
+def growth_of_points(owners: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
+    """The largest factor by which one of several sets of points grew, or shrank; as `of_points`."""
+    factors = [1.0]
+    for owner in np.unique(owners):
+        one, other = (
+            np.linalg.norm(points - points.mean(axis=0))
+            for points in (before[owners == owner], after[owners == owner])
+        )
+        if one > 0 and np.isfinite(other):
+            factors.append(max(other / one, one / max(other, 1e-9 * one)))
+    return max(factors)
+
+
+def told_growth(factor: float) -> str | None:
+    """Say that pieces that are free to turn do not grow with their handles; None if none grows."""
+    if factor < 1 + NOTICED_GROWTH:
+        return None
+    return (
+        f"handles are scaled by up to {factor:.3g}, but what they move is free to turn, and keeps "
+        "its size: Turn with Handle has it grow with them"
+    )
 
 
 def told(angle: float, algorithm: str) -> str | None:

@@ -128,6 +128,17 @@ def test_a_turn_that_has_no_effect_is_told(held, capfd):
     assert degrees(rotation(held, members(held, "Head"))) == pytest.approx(60, abs=0.01)
 
 
+def test_a_scale_that_has_no_effect_is_told(held, capfd):
+    handle(held).scale = (1.5, 1.5, 1.5)
+    bpy.context.view_layer.update()
+    bpy.ops.spectral_tv.deform()
+    assert "scaled by up to 1.5, but what they move is free to turn" in capfd.readouterr().out
+    assert misfit(held, members(held, "Head")) < 1e-5
+    held.spectral_tv.constraints[1].turns = True
+    bpy.ops.spectral_tv.deform()
+    assert "scaled" not in capfd.readouterr().out
+
+
 def test_bones_are_followed_as_they_turn_unless_that_is_switched_off(held, capfd):
     rig, pose = armature()
     constraint = held.spectral_tv.constraints[1]
