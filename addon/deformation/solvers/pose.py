@@ -37,7 +37,17 @@ class Posing(Follower):
 
     def start(self, targets: np.ndarray) -> Steps[Solved]:
         def steps():
-            pose = yield self._poser.start_solve(targets, TOLERANCE), SOLVING
+            pose = yield (
+                spectral_tv.start_pose(
+                    self.mesh,
+                    self.grips.indices,
+                    targets,
+                    self.grips.weights,
+                    self._bodies,
+                    **keywords(self.settings),
+                ),
+                SOLVING,
+            )
             contact = yield from self._rest.look(pose, SOLVING, 1.0)
             return Solved(pose, contact)
 

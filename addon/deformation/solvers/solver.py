@@ -72,5 +72,5 @@ class Follower(Solver):
 
 def came_along(result: Any) -> str:
     """Tell of parts without constraints."""
-    count = len(getattr(result, "unconstrained", ()))
+    count = len(result.unconstrained)
     return f"; {count} vertices of parts without a constraint came along" if count else ""
