@@ -2,10 +2,10 @@
 
 A feature's ``__init__.py`` names in FILES, in order, the files that have classes of Blender. A
 property group with an ``owner``, a type of Blender's and a name, becomes a property of that type.
-VERBS are the feature's verbs of the command line. LOADED has functions that are called when Blender
-has loaded, linked or appended from a file, and when the extension is enabled. FORGET has functions
-that are called when Blender loads a file and when the extension is disabled. WITHDRAW has functions
-for the latter alone.
+VERBS are the feature's verbs of the command line. START has functions that are called when the
+extension is enabled. LOADED has functions that are called then too, and when Blender has loaded,
+linked or appended from a file. FORGET has functions that are called when Blender loads a file and
+when the extension is disabled. WITHDRAW has functions for the latter alone.
 """
 
 from collections.abc import Iterator
@@ -68,6 +68,8 @@ def register() -> None:
     if hasattr(bpy.data, "objects"):  # not yet while Blender starts
         _loaded()
     command_line.register(_all("VERBS"))
+    for start in _all("START"):
+        start()
 
 
 def unregister() -> None:

@@ -19,6 +19,8 @@ def everything() -> dict[str, str]:
     targets = vertices[ends] + np.where(vertices[ends, 2:] > 0, 1, 0) * [0.4, 0.1, 0.2]
     times = spectral_tv.graded_times(1e-4, 1e-1, 6)
     deformer = spectral_tv.Deformer(mesh, ends)
+    bodies = np.where(vertices[ends, 2] > 0, 0, -1)
+    poser = spectral_tv.Poser(mesh, ends, bodies=bodies)
     upper = vertices[:, 2] > 0.3
     found: dict[str, object] = {
         "areas": mesh.vertex_areas,
@@ -42,6 +44,10 @@ def everything() -> dict[str, str]:
         "solved": deformer.solve(targets).vertices,
         "dragged": deformer.drag(targets + np.array([0, 0, 0.1])).vertices,
         "sequence": deformer.solve_sequence([targets, targets * 1.1])[1].vertices,
+        "pose": spectral_tv.pose(mesh, ends, targets).rotations,
+        "posed": poser.solve(targets).vertices,
+        "pose dragged": poser.drag(targets + np.array([0, 0, 0.1])).vertices,
+        "poses": poser.solve_sequence([targets, targets * 1.1])[1].rotations,
         "folds": spectral_tv.folds(mesh, 2 * vertices[:, [1, 0, 2]]).flipped,
         "safe": spectral_tv.safe_displacement(mesh, 2 * vertices[:, [1, 0, 2]]).displacement,
         "crossing": spectral_tv.self_intersections(mesh, vertices[:, [1, 0, 2]]),

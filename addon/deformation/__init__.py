@@ -6,12 +6,24 @@ from . import (
     constraints,
     deform_operator,
     live_operator,
+    overlay,
     panel,
+    pick_operator,
     verb,
     versions,
 )
 
-FILES = (constraints, constraint_operators, deform_operator, live_operator, bake_operator, panel)
+FILES = (
+    constraints,
+    constraint_operators,
+    deform_operator,
+    live_operator,
+    bake_operator,
+    pick_operator,
+    panel,
+)
 VERBS = (verb.Deform,)
+START = (overlay.start,)
 LOADED = (versions.keep_algorithms,)
-FORGET = (live_operator.end,)
+FORGET = (live_operator.end, pick_operator.end, overlay.forget)
+WITHDRAW = (overlay.withdraw,)

@@ -8,7 +8,7 @@ from ..job.operator import ChangeOperator
 from ..scene.notes import note
 from ..scene.objects import Refusal, refusal
 from . import constraints
-from .empties import add_empty
+from .empties import constrain
 from .handles import group_weights
 
 
@@ -43,9 +43,7 @@ class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         label = next(item[1] for item in constraints.KINDS if item[0] == self.kind)
         group = _selected_group(obj, label)
-        constraint = constraints.add(obj, group, self.kind)
-        if self.kind == "OBJECT":
-            constraint.target = add_empty(obj, group)
+        constrain(obj, group, self.kind)
         _, weights = group_weights(obj, [group])[group]
         if len(weights) and weights.max() < 1:
             note(
@@ -92,5 +90,5 @@ def _selected_group(obj: bpy.types.Object, label: str) -> str:
         obj.update_from_editmode()
         obj.vertex_groups.active_index = group.index
     elif obj.vertex_groups.active is None:
-        raise Refusal("it has no vertex group; select the vertices in Edit Mode, or make one")
+        raise Refusal(f"it has no vertex group to constrain; {constraints.FIRST_STEPS}")
     return obj.vertex_groups.active.name

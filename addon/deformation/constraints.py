@@ -42,6 +42,9 @@ ALGORITHMS = (
 )  # fmt: skip
 # Those by which pieces turn with their handles.
 TURNING = ("POSE", "ARAP")
+# The button that makes constraints of what is clicked on, and what to do with it.
+HOLD_AND_PULL = "Hold & Pull"
+FIRST_STEPS = f"press {HOLD_AND_PULL}, then click what stays and what moves"
 # Beyond this, relative to its longest axis, the shortest axis of a handle is none.
 FLAT = 1e-4
 
@@ -228,6 +231,10 @@ class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyG
 
     constraints: CollectionProperty(type=SpectralTVConstraint)
     active: IntProperty(name="Constraint", description="The chosen constraint")
+    shows_regions: BoolProperty(
+        name="Show Regions", default=True,
+        description="Draw over the mesh what is held and what is pulled, in Object Mode"
+    )  # fmt: skip
     vertex_count: IntProperty(
         name="Vertices", description="Of the mesh when a shape key was written", options={"HIDDEN"}
     )

@@ -12,7 +12,7 @@ from ..scene.places import kept_up
 from ..scene.surface import Surface
 from . import results, turning
 from .additions import note_additions
-from .constraints import Settings, deformation_of, followed_by, sharing
+from .constraints import FIRST_STEPS, Settings, deformation_of, followed_by, sharing
 from .grips import Grips
 from .solvers import Solver, follow_complaint, solver_of
 
@@ -90,7 +90,7 @@ def deform_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why ``obj`` cannot be deformed now, in a sentence for the user; None if it can."""
     reason = refusal(obj)
     if reason is None and not deformation_of(obj).constraints:
-        reason = "The object has no constraints; add a pin and a handle"
+        reason = f"The object has no constraints; {FIRST_STEPS}"
     return reason or shared_refusal(obj)
 
 

@@ -1,11 +1,20 @@
-"""Empties to move vertex groups by."""
+"""Constraints of vertex groups, and empties to move them by."""
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
 from ..scene.coordinates import basis_coordinates
+from . import constraints
 from .handles import group_weights
+
+
+def constrain(obj: bpy.types.Object, group: str, kind: str) -> constraints.SpectralTVConstraint:
+    """Add a constraint of a vertex group; a handle gets an empty."""
+    constraint = constraints.add(obj, group, kind)
+    if kind == "OBJECT":
+        constraint.target = add_empty(obj, group)
+    return constraint
 
 
 def add_empty(obj: bpy.types.Object, group: str) -> bpy.types.Object:

@@ -17,6 +17,7 @@ from .constraint_operators import (
 from .deform import deform_refusal, shared_refusal
 from .deform_operator import SPECTRAL_TV_OT_deform
 from .live_operator import SPECTRAL_TV_OT_deform_live
+from .pick_operator import SPECTRAL_TV_OT_hold_and_pull
 
 
 class SPECTRAL_TV_UL_constraints(bpy.types.UIList):
@@ -44,6 +45,13 @@ def _destination(constraint: constraints.SpectralTVConstraint) -> str:
     return constraint.shape_key if constraint.kind == "KEY" else ""
 
 
+def _advice(obj: bpy.types.Object) -> str | None:
+    """What to do first, in a mode in which that can be done."""
+    if obj.mode == "EDIT" and not constraints.deformation_of(obj).constraints:
+        return "Select what stays and press the pin, then what moves and press the arrows"
+    return None
+
+
 class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
     """Pull on parts of the mesh"""
 
@@ -65,7 +73,11 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
         deformation = constraints.deformation_of(obj)
+        first = not deformation.constraints
+        draw_button(layout, SPECTRAL_TV_OT_hold_and_pull, "RESTRICT_SELECT_OFF", is_tall=first)
         self._draw_list(layout, deformation)
+        if deformation.constraints:
+            layout.prop(deformation, "shows_regions")
         if constraints.chosen(obj) is not None:
             self._draw_constraint(layout.column(), obj)
         rows.draw(layout, deformation, "follow")
@@ -74,7 +86,7 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
         is_live = SPECTRAL_TV_OT_deform_live.running is not None
-        reason = deform_refusal(obj)
+        reason = _advice(obj) or deform_refusal(obj)
         if reason is not None and not is_live:
             say(layout, context, reason, "INFO")
             if reason == shared_refusal(obj):

@@ -23,7 +23,7 @@ from ..scene.touching import touching
 from . import baking, constraints
 from .constraints import Settings, algorithm_for, deformation_of
 from .deform import prepare, write
-from .empties import add_empty
+from .empties import constrain
 from .regions import Region, group_of
 from .solvers import follow_complaint
 
@@ -162,9 +162,9 @@ each frame."""
         for where, offset in self.choices.moves:
             if where not in here:
                 continue
-            constraint = constraints.add(obj, group_of(obj, where), "OBJECT")
+            constraint = constrain(obj, group_of(obj, where), "OBJECT")
             constraint.turns = self.choices.unturned
-            empty = constraint.target = add_empty(obj, constraint.vertex_group)
+            empty = constraint.target
             rest = empty.matrix_world.copy()
             empty.matrix_world = Matrix.Translation(offset) @ rest
             if frames is not None:

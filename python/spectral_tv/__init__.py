@@ -16,6 +16,9 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 
 >>> bent = spectral_tv.deform(mesh, indices, targets)  # the others follow in rigid pieces
 >>> bent.vertices, bent.gap                            # (V, 3), and how near to the optimum
+
+>>> posed = spectral_tv.pose(mesh, indices, targets)   # the pieces turn, with joints between them
+>>> posed.vertices, posed.rotations                    # (V, 3), and (V, 4) unit quaternions
 """
 
 from spectral_tv._accuracy import accuracy, start_accuracy
@@ -57,6 +60,7 @@ from spectral_tv._native import (
     total_variation,
 )
 from spectral_tv._options import DEFAULTS, METHODS, MethodFacts
+from spectral_tv._pose import pose, start_pose
 from spectral_tv._results import (
     Accuracy,
     Deformation,
@@ -64,6 +68,7 @@ from spectral_tv._results import (
     Estimate,
     Findings,
     Folds,
+    Pose,
     SafeDisplacement,
 )
 from spectral_tv._thickness import start_thickness, thickness
@@ -89,6 +94,8 @@ __all__ = [
     "MeshError",
     "MeshWarning",
     "MethodFacts",
+    "Pose",
+    "Poser",
     "SafeDisplacement",
     "__version__",
     "accuracy",
@@ -106,6 +113,7 @@ __all__ = [
     "flow",
     "folds",
     "graded_times",
+    "pose",
     "safe_displacement",
     "self_intersections",
     "set_threads",
@@ -117,6 +125,7 @@ __all__ = [
     "start_deform",
     "start_eigenset_test",
     "start_flow",
+    "start_pose",
     "start_safe_displacement",
     "start_self_intersections",
     "start_thickness",

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from spectral_tv._native import Decomposition, Deformer, Flow, Mesh, _reduced
+from spectral_tv._native import Decomposition, Deformer, Flow, Mesh, Poser, _reduced
 
 
 def _reduce(thing: Any) -> Any:
@@ -18,7 +18,7 @@ def _itself(thing: Any, *_: object) -> Any:
 def prepare() -> None:
     """Have objects be pickled by their parts, and copied."""
     copies = {"__copy__": _itself, "__deepcopy__": _itself}
-    for kind in (Decomposition, Deformer, Flow, Mesh):
-        ways = {"__reduce__": _reduce} | ({} if kind is Deformer else copies)
+    for kind in (Decomposition, Deformer, Flow, Mesh, Poser):
+        ways = {"__reduce__": _reduce} | ({} if kind in (Deformer, Poser) else copies)
         for name, way in ways.items():
             setattr(kind, name, way)

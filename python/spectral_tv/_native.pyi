@@ -13,10 +13,12 @@ from spectral_tv._results import (
     Estimate,
     Findings,
     Folds,
+    Pose,
     SafeDisplacement,
 )
 
 __version__: str
+_POSING: dict[str, float]
 _STRETCH: float
 
 class MeshError(ValueError):
@@ -108,6 +110,45 @@ class Deformer:
         self, targets: Sequence[ArrayLike], tolerance: float = 1e-3
     ) -> Job[list[Deformation]]: ...
 
+@final
+class Poser:
+    def __new__(
+        cls,
+        mesh: Mesh,
+        indices: ArrayLike,
+        weights: ArrayLike | None = None,
+        bodies: ArrayLike | None = None,
+        joint_softness: float = 1.0,
+        stiffness: float = 0.03,
+        stillness: float = 0.5,
+    ) -> Poser: ...
+    @property
+    def joint_softness(self) -> float: ...
+    @property
+    def stiffness(self) -> float: ...
+    @property
+    def stillness(self) -> float: ...
+    def set_parameters(
+        self,
+        joint_softness: float | None = None,
+        stiffness: float | None = None,
+        stillness: float | None = None,
+    ) -> None: ...
+    def drag(self, targets: ArrayLike) -> Pose: ...
+    def solve(
+        self, targets: ArrayLike, tolerance: float = 1e-4, progress: Progress | None = None
+    ) -> Pose: ...
+    def solve_sequence(
+        self,
+        targets: Sequence[ArrayLike],
+        tolerance: float = 1e-4,
+        progress: Progress | None = None,
+    ) -> list[Pose]: ...
+    def start_solve(self, targets: ArrayLike, tolerance: float = 1e-4) -> Job[Pose]: ...
+    def start_solve_sequence(
+        self, targets: Sequence[ArrayLike], tolerance: float = 1e-4
+    ) -> Job[list[Pose]]: ...
+
 _T = TypeVar("_T")
 
 @final
@@ -176,6 +217,15 @@ def start_flow(
     options: Mapping[str, Any],
 ) -> Job[Flow]: ...
 def folds(mesh: Mesh, displacement: ArrayLike, stretch: float) -> Folds: ...
+def start_pose(
+    mesh: Mesh,
+    indices: ArrayLike,
+    targets: ArrayLike,
+    weights: ArrayLike | None,
+    bodies: ArrayLike | None,
+    parameters: Mapping[str, Any],
+    tolerance: float,
+) -> Job[Pose]: ...
 def start_safe_displacement(
     mesh: Mesh, displacement: ArrayLike, stretch: float
 ) -> Job[SafeDisplacement]: ...

@@ -216,14 +216,39 @@ class Deformation(_Result):
 
 @dataclass(frozen=True, eq=False)
 class Pose(_Result):
-    """A posed shape."""
+    """A posed shape, made by `pose` or a `Poser`.
+
+    Attributes
+    ----------
+    vertices : array
+        Positions of the posed shape, (V, 3).
+    rotations : array
+        How the surface is turned at every vertex, (V, 4): unit quaternions w, x, y, z. A quaternion
+        and its negative are the same rotation.
+    energy : float
+        What the pose costs, length²: 0 if all is at rest, or moves rigidly with its handles.
+    decrement : float | None
+        By how much a quadratic model of the energy, at the pose before the last step, predicts
+        that the energy could be less, relative to itself. A small one certifies that the pose is
+        nearly stationary: no small change lowers the energy. As the energy is not convex, it does
+        not prove that no other pose costs less. It is above the tolerance where the iterations did
+        not suffice, and None after `Poser.drag`, which does not compute it.
+    movement : float
+        The largest movement of a vertex in the last iteration, length.
+    iterations : int
+        Number of iterations.
+    unconstrained : int64 array
+        Vertices of connected components without any constraint, (U,): each such piece moves
+        rigidly with the surface nearest to it.
+    """
 
     vertices: Numbers = field(repr=False)
     rotations: Numbers = field(repr=False)
     energy: float
-    decrement: float
+    decrement: float | None
     movement: float
     iterations: int
+    unconstrained: NDArray[np.int64] = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -234,7 +234,9 @@ def test_what_cannot_be_done_is_told_and_nothing_is_lost(held, spoil, told):
 
 
 def test_without_constraints_the_operator_says_what_is_missing(body):
-    with pytest.raises(RuntimeError, match="add a pin and a handle"):
+    with pytest.raises(
+        RuntimeError, match="press Hold & Pull, then click what stays and what moves"
+    ):
         bpy.ops.spectral_tv.deform()
 
 

@@ -22,9 +22,10 @@ FILES = {
     "scripting.md-1": ["smooth.blend"],
     "scripting.md-2": ["safe.blend"],
     "scripting.md-4": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
-    "scripting.md-6": ["mask.blend", "mask.csv"],
-    "scripting.md-7": ["smooth.png"],
-    "scripting.md-14": ["splits.pickle"],
+    "scripting.md-6": ["ear.blend"],
+    "scripting.md-7": ["mask.blend", "mask.csv"],
+    "scripting.md-8": ["smooth.png"],
+    "scripting.md-16": ["splits.pickle"],
 }
 
 

@@ -86,6 +86,13 @@ CASES = {
     "filter": (banded, {}),
     "filter_image": (photo, {"image": "Photo", "result": "BANDS", **SMALL}),
     "flow_attribute": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
+    "hold_and_pull": (
+        dumbbell_object,
+        {
+            "held": [{"name": "", "point": (0, 0, -2.468), "radius": 0.5}],
+            "pulled": [{"name": "", "point": (0, 0, 2.468), "radius": 0.5}],
+        },
+    ),
     "keyframe": (banded, {}),
     "measure_accuracy": (banded, {"bands": 2, "steps": 8}),
     "measure_thickness": (lambda: ball("Ball"), {}),

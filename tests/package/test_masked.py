@@ -21,6 +21,7 @@ IMAGE = VERTICES[:36, 2].reshape(6, 6)
 TIMES = np.linspace(0, 0.1, 5)
 WEIGHTS = np.full(3, 0.5)
 DEFORMER = spectral_tv.Deformer(MESH, ENDS)
+POSER = spectral_tv.Poser(MESH, ENDS)
 
 # Every array that is read: its name, a value that is fine, and a call with another.
 ARRAYS = {
@@ -43,6 +44,8 @@ ARRAYS = {
     "weights": (WEIGHTS, lambda a: spectral_tv.deform(MESH, ENDS, TARGETS, a)),
     "targets of a drag": (TARGETS, DEFORMER.drag),
     "targets of a sequence": (TARGETS, lambda a: DEFORMER.solve_sequence([a, TARGETS])),
+    "bodies": (np.array([0, 1, 2]), lambda a: spectral_tv.Poser(MESH, ENDS, bodies=a)),
+    "targets of a pose": (TARGETS, POSER.drag),
     "steps": (np.array([4, 5]), lambda a: spectral_tv.accuracy(MESH, steps=a, bands=2)),
     "displacement": (VERTICES, lambda a: spectral_tv.folds(MESH, a)),
     "displacement to clamp": (VERTICES, lambda a: spectral_tv.safe_displacement(MESH, a)),

@@ -118,6 +118,11 @@ print(estimate.bytes / (reading("VmHWM") - before))
             "deforming 10000 vertices 3000 times takes about 726 MB",
         ),
         ("deformer.start_solve_sequence([targets] * 3000).result()", "take fewer at a time"),
+        (
+            "poser.solve_sequence([targets] * 3000)",
+            "posing 10000 vertices 3000 times takes about 1.7 GB",
+        ),
+        ("spectral_tv.pose(surface(600), [0, 9], [[0, 0, 0], [1, 1, 1]])", "fewer vertices"),
     ],
 )
 @pytest.mark.parametrize(("limit", "used"), [("AS", "VmSize"), ("DATA", "VmData")])
@@ -128,6 +133,7 @@ def test_what_does_not_fit_is_a_memory_error_and_leaves_the_process_alive(
 mesh = surface(100)
 split = spectral_tv.decompose(mesh, steps=8)
 deformer = spectral_tv.Deformer(mesh, [0, 9])
+poser = spectral_tv.Poser(mesh, [0, 9])
 targets = mesh.vertices[[0, 9]] + [[0, 0, 0], [0, 0, 1]]
 room = reading("{used}") + 400 * 10**6
 resource.setrlimit(resource.RLIMIT_{limit}, (room, room))

@@ -23,7 +23,7 @@ SIDE = 60
 LIMITS = [0, 4, 8, 12, 18, 26, 36, 50, 80, 8000]
 
 START = f"""
-import os, pickle, resource, signal, sys
+import copy, os, pickle, resource, signal, sys
 os.environ["SPECTRAL_TV_THREADS"] = "2"
 sys.path.insert(0, {str(TESTS)!r})
 import numpy as np, pool_work, spectral_tv
@@ -43,6 +43,7 @@ times = spectral_tv.graded_times(1e-4, 1e-2, 8)
 soup = vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
 image = vertices[:, 2].reshape({SIDE}, {SIDE})
 deformer = spectral_tv.Deformer(mesh, ends)
+poser = spectral_tv.Poser(mesh, ends)
 spikes = 0.3 * np.sin(1e4 * vertices)
 
 def trial(call, limit, used, room):
@@ -96,6 +97,9 @@ CALLS = {
     "deformer": "spectral_tv.Deformer(mesh, ends).solve(targets).vertices",
     "drag": "deformer.drag(targets).vertices",
     "sequence": "deformer.solve_sequence([targets, targets * 1.1])[-1].vertices",
+    "pose": "spectral_tv.pose(mesh, ends, targets).vertices",
+    "drag of a pose": "poser.drag(targets).vertices",
+    "poses": "poser.solve_sequence([targets, targets * 1.1])[-1].rotations",
     "mesh": "spectral_tv.Mesh(vertices, triangles).vertex_areas",
     "weld": "spectral_tv.Mesh(*soup, weld=0.0).weld_map",
     "findings": "repr(spectral_tv.Mesh(vertices, triangles).findings)",
@@ -106,7 +110,8 @@ CALLS = {
     "mean": "split.flow.mean(np.ones(len(vertices)))",
     "total variation": "spectral_tv.total_variation(mesh, vertices)",
     "pickle": "pickle.loads(pickle.dumps(split, 5)).residual",
-    "copy of a deformer": "deformer.__copy__().solve(targets).vertices",
+    "copy of a poser": "copy.copy(poser).drag(targets).vertices",
+    "copy of a deformer": "copy.copy(deformer).solve(targets).vertices",
 }
 
 
@@ -117,6 +122,7 @@ def test_under_any_limit_it_is_right_or_a_memory_error(call, limit):
 limit, used = resource.RLIMIT_{limit}, {{"AS": "VmSize", "DATA": "VmData"}}["{limit}"]
 call = lambda: {CALLS[call]}
 right = trial(call, limit, used, None)
+assert len(right) == 64, right  # a digest
 outcomes = [trial(call, limit, used, room * 10**6) for room in {LIMITS}]
 assert set(outcomes) <= {{right, "MemoryError"}}, outcomes
 assert outcomes[-1] == right, outcomes

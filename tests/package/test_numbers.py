@@ -18,6 +18,7 @@ SPLIT = spectral_tv.decompose(MESH, steps=6)
 TARGETS = VERTICES[:2] + 1
 IMAGE = np.arange(16.0).reshape(4, 4)
 DEFORMER = spectral_tv.Deformer(MESH, [0, 1])
+POSER = spectral_tv.Poser(MESH, [0, 1])
 
 # What every function and method is called with, but for the number in question.
 CALLS = {
@@ -31,6 +32,7 @@ CALLS = {
     "caricature": ([MESH],),
     "cosegment": ([SPLIT],),
     "deform": (MESH, [0, 1], TARGETS),
+    "pose": (MESH, [0, 1], TARGETS),
     "flow": (MESH, VERTICES, [0, 0.1]),
     "conformal_flow": (MESH,),
     "default_scales": ("lb",),
@@ -40,6 +42,10 @@ CALLS = {
     "Deformer.__new__": (MESH, [0, 1]),
     "Deformer.solve": (TARGETS,),
     "Deformer.solve_sequence": ([TARGETS],),
+    "Poser.__new__": (MESH, [0, 1]),
+    "Poser.set_parameters": (),
+    "Poser.solve": (TARGETS,),
+    "Poser.solve_sequence": ([TARGETS],),
     "Flow.band_edges": (),
     "Decomposition.band_edges": (),
     "Decomposition.bands": ([0, 1],),
@@ -53,7 +59,7 @@ REQUIRED = {
     "finest": 0.1,
     "largest": 1.0,
 }
-INSTANCES = {"Deformer": DEFORMER, "Flow": SPLIT.flow, "Decomposition": SPLIT}
+INSTANCES = {"Deformer": DEFORMER, "Poser": POSER, "Flow": SPLIT.flow, "Decomposition": SPLIT}
 
 
 def functions(tree):
@@ -150,6 +156,7 @@ def test_what_is_no_such_number_is_refused_by_name(name, argument, kind):
         ("graded_times", "largest", 1e300, "finest scale must be above 0 and below the largest"),
         ("caricature", "gain", 1e300, "gain must be finite and at most 1e100"),
         ("deform", "softness", 1e300, "softness must be a length"),
+        ("pose", "stiffness", 1e300, "stiffness must be a number, 0 or more"),
     ],
 )
 def test_numbers_out_of_range_are_refused(name, argument, value, message):

@@ -37,6 +37,16 @@ def deformer():
     return made
 
 
+def poser():
+    bodies = np.where(VERTICES[ENDS, 2] > 0, 3, -1)
+    made = spectral_tv.Poser(MESH, ENDS, np.full(len(ENDS), 0.9), bodies, stiffness=0.01)
+    made.solve(TARGETS)
+    made.set_parameters(joint_softness=0.5)
+    return made
+
+
+# What goes on from where it was.
+KEPT = {"deformer": deformer, "poser": poser}
 FLOWS = {
     "scalar": lambda: spectral_tv.flow(MESH, VERTICES[:, 2], TIMES),
     "one channel": lambda: spectral_tv.flow(MESH, VERTICES[:, 2:], TIMES),
@@ -59,6 +69,8 @@ OTHERS = {
     "findings": lambda: welded().findings,
     "accuracy": lambda: spectral_tv.accuracy(MESH, steps=[4, 6], bands=2, refinement=2),
     "deformation": lambda: spectral_tv.deform(MESH, ENDS, TARGETS),
+    "pose": lambda: spectral_tv.pose(MESH, ENDS, TARGETS),
+    "drag": lambda: spectral_tv.Poser(MESH, ENDS).drag(TARGETS),
     "eigenset test": lambda: spectral_tv.eigenset_test(MESH, UPPER),
     "folds": lambda: spectral_tv.folds(MESH, -2 * VERTICES * [0, 0, 1]),
     "safe displacement": lambda: spectral_tv.safe_displacement(MESH, 2 * VERTICES[:, ::-1]),
@@ -130,8 +142,9 @@ def pickled_masses(flow):
     return parts["masses"]
 
 
-def test_a_deformer_goes_on_from_where_it_was():
-    made = deformer()
+@pytest.mark.parametrize("name", KEPT)
+def test_a_deformer_or_poser_goes_on_from_where_it_was(name):
+    made = KEPT[name]()
     others = list(round_trips(made))
     expected = made.drag(1.1 * TARGETS)
     for other in others:
@@ -139,28 +152,38 @@ def test_a_deformer_goes_on_from_where_it_was():
         assert_same(other.drag(1.1 * TARGETS), expected)
 
 
-def test_a_deformer_that_was_not_used_goes_on_from_rest():
+def test_a_poser_keeps_its_parameters():
+    for other in round_trips(poser()):
+        assert (other.joint_softness, other.stiffness) == (0.5, 0.01)
+        assert other.stillness == spectral_tv.Poser(MESH, ENDS).stillness
+
+
+@pytest.mark.parametrize("kind", [spectral_tv.Deformer, spectral_tv.Poser])
+def test_what_was_not_used_goes_on_from_rest(kind):
     for weights in (None, np.full(len(ENDS), 0.5)):
-        made = spectral_tv.Deformer(MESH, ENDS, weights)
+        made = kind(MESH, ENDS, weights)
         again = pickle.loads(pickle.dumps(made))
         assert_same(again.solve(TARGETS), made.solve(TARGETS))
 
 
-def test_copies_of_a_deformer_are_apart():
-    made = deformer()
+@pytest.mark.parametrize("name", KEPT)
+def test_copies_of_a_deformer_or_poser_are_apart(name):
+    made = KEPT[name]()
     other = copy.copy(made)
     expected = copy.copy(made).solve(0.9 * TARGETS)
     made.solve(3 * TARGETS)
     assert_same(other.solve(0.9 * TARGETS), expected)
 
 
-def test_a_deformer_is_copied_once_its_work_has_ended():
-    made = spectral_tv.Deformer(MESH, ENDS)
+@pytest.mark.parametrize("kind", [spectral_tv.Deformer, spectral_tv.Poser])
+def test_a_deformer_or_poser_is_copied_once_its_work_has_ended(kind):
+    made = kind(MESH, ENDS)
     job = made.start_solve_sequence([TARGETS * scale for scale in np.linspace(1, 2, 50)])
     again = copy.copy(made)
+    assert job.done
     last = job.result()[-1]
+    np.testing.assert_allclose(last.vertices[ENDS], 2 * TARGETS, atol=1e-9)
     assert_same(again.solve(2 * TARGETS), made.solve(2 * TARGETS))
-    assert last.gap < 1e-3
 
 
 def test_what_shares_a_mesh_shares_it_after_a_round_trip():
@@ -223,7 +246,7 @@ def test_another_format_is_refused_by_name():
 
 # What holds numbers alone is a dataclass, of whose fields nothing else is made.
 CHECKED = {name: OTHERS[name] for name in ("mesh", "welded mesh")}
-THINGS = {**FLOWS, **CHECKED, "deformer": deformer}
+THINGS = {**FLOWS, **CHECKED, **KEPT}
 SILLY = (
     None,
     "x",
@@ -267,7 +290,7 @@ def test_parts_that_are_forged_give_an_error_or_an_object_that_works(name):
                 properties(made)
                 assert np.isfinite(made.filter(np.ones(len(made.spectrum)))).all()
                 made.bands([0, *made.times[1:]])
-            if isinstance(made, spectral_tv.Deformer):
+            if isinstance(made, spectral_tv.Deformer | spectral_tv.Poser):
                 made.solve(TARGETS)
 
 

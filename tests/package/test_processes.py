@@ -73,6 +73,8 @@ split = spectral_tv.decompose(mesh, steps=6)
 deformer = spectral_tv.Deformer(mesh, [0, 9])
 targets = mesh.vertices[[0, 9]] + [[0, 0, 0], [1, 0, 0]]
 first = deformer.solve(targets).vertices
+poser = spectral_tv.Poser(mesh, [0, 9])
+poser.solve(targets)
 job = spectral_tv.start_decompose(mesh, steps=6)
 while not job.done:
     time.sleep(0.001)
@@ -84,6 +86,8 @@ def work():
     assert (job.result().residual == residual).all()
     assert asked_late.done and (asked_late.result().residual == residual).all()
     assert (deformer.solve(targets).vertices == again).all()
+    assert (poser.drag(targets).vertices == posed).all()
+posed = copy.copy(poser).drag(targets).vertices
 again = spectral_tv.Deformer(mesh, [0, 9])
 again.solve(targets)
 again = again.solve(targets).vertices
@@ -101,20 +105,25 @@ deformer = spectral_tv.Deformer(mesh, ends)
 frames = [mesh.vertices[ends] + k * shift for k in np.linspace(0.1, 1, 2000)]
 job = spectral_tv.start_decompose(mesh, steps=20_000)
 busy = deformer.start_solve_sequence(frames, tolerance=1e-6)
-while min(job.progress, busy.progress) < 1e-5:
+poser = spectral_tv.Poser(mesh, ends)
+posing = poser.start_solve_sequence(frames, tolerance=1e-9)
+while min(job.progress, busy.progress, posing.progress) < 1e-5:
     time.sleep(0.001)
 def work():
-    global job, busy
+    global job, busy, posing
     number = str(os.getppid())
-    for running in (job, busy):
+    for running in (job, busy, posing):
         for ask in (lambda: running.done, lambda: running.progress, running.cancel, running.result):
             refused(ask, f"started in process {number}")
     refused(lambda: deformer.drag(frames[0]), f"process {number}")
     refused(lambda: deformer.solve(frames[0]), "make a new one here")
     refused(lambda: copy.copy(deformer), "make a new one here")
+    refused(lambda: poser.drag(frames[0]), f"process {number}")
+    refused(lambda: poser.set_parameters(stiffness=1), "make a new one here")
+    refused(lambda: copy.copy(poser), "make a new one here")
     anew = spectral_tv.start_decompose(mesh, steps=3)
     anew.result()
-    del job, busy, running
+    del job, busy, posing, running
 in_a_fork(work)
 def fork(fraction):
     process = os.fork()
@@ -128,7 +137,7 @@ except KeyError:
     pass
 except RuntimeError as error:
     os._exit(0 if "of which this one is a fork" in str(error) else 1)
-job.cancel(), busy.cancel()
+job.cancel(), busy.cancel(), posing.cancel()
 """)
 
 

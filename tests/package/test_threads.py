@@ -73,6 +73,7 @@ def test_large_results_have_the_same_bits_with_any_number_of_threads():
                 vars(spectral_tv.safe_displacement(mesh, wave)),
                 spectral_tv.self_intersections(mesh, wave),
                 spectral_tv.deform(mesh, ends, targets).vertices,
+                spectral_tv.pose(mesh, ends, targets).rotations,
                 spectral_tv.deform(mesh, ends, targets, algorithm="arap", tolerance=0.1).vertices,
             )
             assert found.setdefault("others", pool_work.digest(others)) == pool_work.digest(others)

@@ -91,11 +91,7 @@ def deform_once(obj: bpy.types.Object) -> Steps[None]:
 
 def change_while_live() -> Steps[None]:
     """What is changed acts at once; while something is wrong, it waits and the panel says why."""
-    obj = new_dumbbell()
-    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
-        obj.vertex_groups.active = obj.vertex_groups[group]
-        with in_view():
-            bpy.ops.spectral_tv.constraint_add(kind=kind)
+    obj = held_dumbbell()
     handle = obj.spectral_tv.constraints[1].target
     yield from away()
     yield from click(*(yield from find("spectral_tv.deform_live", column=0.75)))
@@ -123,12 +119,8 @@ def change_while_live() -> Steps[None]:
 
 def take_what_turns() -> Steps[None]:
     """The panel says that pieces do not turn, and buttons take what turns them."""
-    obj = new_dumbbell()
+    obj = held_dumbbell()
     obj.spectral_tv.algorithm = "CONVEX"
-    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
-        obj.vertex_groups.active = obj.vertex_groups[group]
-        with in_view():
-            bpy.ops.spectral_tv.constraint_add(kind=kind)
     obj.spectral_tv.constraints[1].target.rotation_euler.y = 1
     yield from away()
     yield from picture("panel_turning")
@@ -168,15 +160,27 @@ def new_dumbbell() -> bpy.types.Object:
     return obj
 
 
-def leaning(obj: bpy.types.Object, group: str = "Head") -> float | None:
-    """How far the middle of a group has moved along X; None without a deformation."""
+def held_dumbbell() -> bpy.types.Object:
+    """The same, one end pinned and the other one with a handle."""
+    obj = new_dumbbell()
+    for group, kind in (("Feet", "PIN"), ("Head", "OBJECT")):
+        obj.vertex_groups.active = obj.vertex_groups[group]
+        with in_view():
+            bpy.ops.spectral_tv.constraint_add(kind=kind)
+    return obj
+
+
+def leaning(obj: bpy.types.Object, what: str | int = "Head") -> float | None:
+    """How far a group's middle, or a vertex, has moved along X; None without a deformation."""
     keys = obj.data.shape_keys
     if keys is None or "Deformation" not in keys.key_blocks:
         return None
-    index = obj.vertex_groups[group].index
-    is_in = [any(each.group == index for each in v.groups) for v in obj.data.vertices]
     basis, shape = (
         np.array([point.co.x for point in keys.key_blocks[name].data])
         for name in (keys.reference_key.name, "Deformation")
     )
+    if isinstance(what, int):
+        return float((shape - basis)[what])
+    index = obj.vertex_groups[what].index
+    is_in = [any(each.group == index for each in v.groups) for v in obj.data.vertices]
     return float((shape - basis)[is_in].mean())

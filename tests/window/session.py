@@ -10,6 +10,7 @@ import bpy
 sys.path.insert(0, str(Path(__file__).parent))
 
 from deform import deform
+from hold_and_pull import hold_and_pull
 from others import others
 from pictures import messages, new_monkey, panels
 from screen import (
@@ -44,6 +45,7 @@ def session() -> Steps[None]:
     yield from undo_and_redo()
     yield from panels()
     yield from deform()
+    yield from hold_and_pull()
     yield from others()
     yield from messages()
     yield from quit_while_it_runs()

@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import changes
 from contents import contents, differences
 from deform import new_dumbbell
+from interruptions import interruptions
 from pictures import activate, new_monkey
 from screen import PICTURES, Steps, centre, in_view, key, move, picture, region, run, told, until
 from work import (
@@ -47,6 +48,7 @@ def stress() -> Steps[None]:
     yield from cancel_at_random_moments()
     yield from change_it_meanwhile()
     yield from live()
+    yield from interruptions()
     yield from start_another_at_once()
     yield from two_windows()
     yield from disable_meanwhile()

@@ -7,6 +7,8 @@ mod flow;
 mod guard;
 mod image;
 mod number;
+mod pose;
+mod pulls;
 mod scales;
 mod sets;
 mod shape;
@@ -33,6 +35,8 @@ enum Call {
     Eigenpairs(flow::FewEigenpairs),
     Deform(deform::Deform),
     Drag(deform::Drag),
+    Pose(pose::PoseOnce),
+    DragPose(pose::Drag),
     Cosegment(sets::Cosegment),
     EigensetTest(sets::Set),
     Image(image::Pixels),
@@ -61,6 +65,8 @@ impl Input {
             Call::Eigenpairs(call) => call.run(&mesh),
             Call::Deform(call) => call.run(&mesh),
             Call::Drag(call) => call.run(&mesh),
+            Call::Pose(call) => call.run(&mesh),
+            Call::DragPose(call) => call.run(&mesh),
             Call::Cosegment(call) => call.run(&mesh),
             Call::EigensetTest(call) => call.run(&mesh),
             Call::Guard(call) => call.run(&mesh),

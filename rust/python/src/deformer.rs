@@ -10,13 +10,15 @@ use spectral_tv::memory::needs;
 use spectral_tv::monitor::Stage;
 
 use crate::arrays;
-use crate::deformation::{Handles, Shape};
+use crate::deformation::deformed;
 use crate::error::Failure;
+use crate::handles::Handles;
 use crate::job::{Job, guarded};
 use crate::mesh::Mesh;
 use crate::owned::Owned;
 use crate::parameters;
 use crate::pickling::{Parts, Pickled, Writer};
+use crate::shape::Shape;
 
 /// A mesh and the vertices that are constrained, to be deformed again and again.
 ///
@@ -91,7 +93,7 @@ impl Deformer {
         let targets = arrays::positions("targets", targets)?;
         let deformer = self.inner.take(py)?;
         let solution = guarded(py, |_| deformer.get().drag(&targets))?;
-        self.shape.deformed(py, solution)
+        deformed(py, &self.shape, solution)
     }
 
     /// Deform to the optimum.
@@ -166,7 +168,7 @@ impl Deformer {
         let targets = arrays::positions("targets", targets)?;
         let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
         let work = move |stage: Stage| take(stage)?.get().solve_with(&targets, tolerance, stage);
-        Job::start(work, move |py, solution| shape.deformed(py, solution))
+        Job::start(work, move |py, solution| deformed(py, &shape, solution))
     }
 
     /// Start `solve_sequence` in a thread of its own and return the `Job` at once. Other calls
@@ -188,7 +190,7 @@ impl Deformer {
         Job::start(work, move |py, solutions| {
             let deformed = solutions
                 .into_iter()
-                .map(|solution| shape.deformed(py, solution));
+                .map(|solution| deformed(py, &shape, solution));
             Ok(PyList::new(py, deformed.collect::<Result<Vec<_>, _>>()?)?.into_any())
         })
     }
@@ -212,7 +214,7 @@ impl Deformer {
     ) -> Result<Self, Failure> {
         let py = mesh.py();
         let constraints = handles.constraints(py, mesh.get())?;
-        let shape = Arc::new(Shape::new(mesh.get(), &constraints));
+        let shape = Arc::new(Shape::new(mesh.get(), constraints.floating()));
         let surface = &mesh.get().inner;
         let inner = guarded(py, |stage| {
             let mut inner = deformation::Deformer::new_with(surface, constraints, softness, stage)?;
@@ -248,11 +250,7 @@ impl Pickled for Deformer {
     fn write(&self, parts: &Writer<'_>) -> Result<(), Failure> {
         let state = self.state(parts.py())?;
         parts.value("mesh", &self.mesh)?;
-        parts.list("indices", &self.handles.indices)?;
-        match &self.handles.weights {
-            Some(weights) => parts.list("weights", weights)?,
-            None => parts.value("weights", None::<()>)?,
-        }
+        self.handles.write(parts)?;
         parts.value("softness", self.softness)?;
         parts.value("is_at_rest", state.is_none())?;
         let vertices = self.mesh.get().inner.vertex_count();
@@ -261,14 +259,7 @@ impl Pickled for Deformer {
     }
 
     fn read(_py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
-        let weights = match parts.optional("weights")? {
-            Some(weights) => Some(arrays::list("weights", &weights)?),
-            None => None,
-        };
-        let handles = Handles {
-            indices: parts.indices("indices")?,
-            weights,
-        };
+        let handles = Handles::read(parts)?;
         let state = match parts.value("is_at_rest")? {
             true => None,
             false => Some(parts.matrix("displacement")?),

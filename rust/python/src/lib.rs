@@ -13,6 +13,7 @@ mod estimate;
 mod flow;
 mod flowing;
 mod guard;
+mod handles;
 mod image;
 mod job;
 mod mesh;
@@ -20,9 +21,11 @@ mod owned;
 mod parameters;
 mod pickling;
 mod poser;
+mod posing;
 mod results;
 mod segmentation;
 mod settings;
+mod shape;
 mod thickness;
 mod threads;
 
@@ -41,6 +44,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     warm_up();
     let py = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("_POSING", posing::defaults(py)?)?;
     module.add("_STRETCH", DEFAULT_STRETCH)?;
     error::prepare(py)?;
     module.add("MeshError", py.get_type::<error::MeshError>())?;
@@ -67,6 +71,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(guard::start_safe_displacement, module)?,
         wrap_pyfunction!(guard::start_self_intersections, module)?,
         wrap_pyfunction!(image::start_decompose_image, module)?,
+        wrap_pyfunction!(posing::start_pose, module)?,
         wrap_pyfunction!(pickling::_reduced, module)?,
         wrap_pyfunction!(pickling::_restore, module)?,
         wrap_pyfunction!(segmentation::start_cosegment, module)?,

@@ -26,8 +26,8 @@ macro_rules! named {
 }
 
 named! {
-    band bands count finest gain height keep_limbs largest refinement scales seed segments smooth
-    softness steps stretch time tolerance
+    band bands count finest gain height joint_softness keep_limbs largest refinement scales seed
+    segments smooth softness steps stiffness stillness stretch time tolerance
 }
 
 macro_rules! integers {

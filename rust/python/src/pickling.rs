@@ -15,6 +15,7 @@ use crate::deformer::Deformer;
 use crate::error::{Failure, MeshError, refused};
 use crate::flow::Flow;
 use crate::mesh::Mesh;
+use crate::poser::Poser;
 
 /// To be counted up where what is written changes.
 const FORMAT: u32 = 2;
@@ -62,7 +63,7 @@ macro_rules! pickled {
     };
 }
 
-pickled!(Decomposition, Deformer, Flow, Mesh);
+pickled!(Decomposition, Deformer, Flow, Mesh, Poser);
 
 fn reduced<'py, T: Pickled>(py: Python<'py>, object: &T) -> Result<Reduced<'py>, Failure> {
     let parts = Writer(PyDict::new(py));

@@ -43,6 +43,15 @@ impl Floating {
     /// Moves every piece by the rigid motion that fits the `displacement` (3, V) of the surface
     /// nearest to it.
     pub fn carry(&self, displacement: &mut Array2<f64>) {
+        self.carry_and(displacement, |_, _| {});
+    }
+
+    /// [`Self::carry`], which tells `turn` each vertex and how it is turned.
+    pub fn carry_and(
+        &self,
+        displacement: &mut Array2<f64>,
+        mut turn: impl FnMut(usize, &Rotation3<f64>),
+    ) {
         for piece in &self.pieces {
             let moved = |follower: &Follower| {
                 let at = |axis: usize, _| displacement[[axis, follower.nearest]];
@@ -64,6 +73,7 @@ impl Floating {
                     let change = target[axis] - follower.position[axis];
                     displacement[[axis, follower.vertex]] = change;
                 }
+                turn(follower.vertex, &rotation);
             }
         }
     }

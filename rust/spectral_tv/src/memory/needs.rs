@@ -95,6 +95,12 @@ pub fn solutions(size: Size, count: usize) -> u64 {
     size.times(SOLUTION).saturating_add(kept)
 }
 
+/// Bytes of so many poses, which are kept, while they are sought.
+pub fn poses(size: Size, count: usize) -> u64 {
+    let kept = functions(7, size.0).saturating_mul(count as u64);
+    size.times(SOLUTION).saturating_add(kept)
+}
+
 /// Bytes of looking for faces that fold, if all of them do.
 pub fn folds(size: Size) -> u64 {
     size.times(FOLDS)

@@ -1,10 +1,10 @@
 //! The Gauss–Newton matrix of a coarse mesh, factorized.
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, Vector6};
 use ndarray::Array2;
 use sprs::CsMatI;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::monitor::Stage;
 use crate::posing::field::Field;
 use crate::posing::linearized::Linearized;
@@ -12,8 +12,9 @@ use crate::posing::model::{Model, Role};
 use crate::posing::state::rotated;
 use crate::solver::Cholesky;
 
-/// What keeps rotations that nothing asks for where they are, relative to the diagonal.
-const DAMPING: f64 = 1e-9;
+/// What keeps rotations that nothing asks for where they are, relative to the diagonal, and what
+/// to try where that is too little, as without stiffness.
+const DAMPINGS: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
 
 type Block = SMatrix<f64, 6, 6>;
 
@@ -22,7 +23,7 @@ type Block = SMatrix<f64, 6, 6>;
 struct Node {
     /// Its first unknown.
     first: usize,
-    /// 6 for a free vertex, 3 for a fixed one or a body.
+    /// 6 for a free vertex, 3 for a pinned one or a body.
     size: usize,
     /// The nodes after it that it is coupled with, and where their rows begin behind its own.
     others: Vec<(u32, u32)>,
@@ -31,7 +32,7 @@ struct Node {
 /// The matrix of [`Linearized`], its pattern found once.
 pub(super) struct CoarseSystem {
     nodes: Vec<Node>,
-    /// The node of each vertex; `None` for a floating one.
+    /// The node of each vertex; `None` for one that nothing moves.
     node_of: Vec<Option<u32>>,
     /// The first node of a body.
     first_body: usize,
@@ -57,8 +58,8 @@ impl CoarseSystem {
             .iter()
             .map(|role| match role {
                 Role::Free => Some(new_node(6)),
-                Role::Fixed => Some(new_node(3)),
-                Role::Body(_) | Role::Floating => None,
+                Role::Pinned => Some(new_node(3)),
+                Role::Fixed | Role::Body(_) | Role::Floating => None,
             })
             .collect();
         let bodies: Vec<u32> = (0..model.body_count).map(|_| new_node(3)).collect();
@@ -132,14 +133,14 @@ impl CoarseSystem {
             let mut map = Block::zeros();
             match model.roles[vertex] {
                 Role::Free => map = Block::identity(),
-                Role::Fixed => map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity(),
+                Role::Pinned => map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity(),
                 Role::Body(body) => {
                     let arm = rotated(&state.bodies[body as usize], &model.arms[vertex]);
                     map.fixed_view_mut::<3, 3>(0, 0)
                         .copy_from(&-arm.cross_matrix());
                     map.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
                 }
-                Role::Floating => {}
+                Role::Fixed | Role::Floating => {}
             }
             map
         };
@@ -162,6 +163,15 @@ impl CoarseSystem {
             let maps = corners.map(map);
             let lean = [0, 1, 2]
                 .map(|i| ((hats[i][0] * basis[0] + hats[i][1] * basis[1]) / 3.0).cross_matrix());
+            let crushed = term.crushed.as_ref().map(|crushed| {
+                [0, 1, 2].map(|i| {
+                    let by_columns = &crushed.by_columns;
+                    let moved = hats[i][0] * by_columns[0] + hats[i][1] * by_columns[1];
+                    let turned = crushed.by_turn / 3.0;
+                    let derivative = Vector6::from_iterator(moved.iter().chain(&turned).copied());
+                    crushed.firmness.sqrt() * derivative
+                })
+            });
             for i in 0..3 {
                 for j in 0..3 {
                     let (Some(a), Some(b)) = (self.node_of[corners[i]], self.node_of[corners[j]])
@@ -182,6 +192,9 @@ impl CoarseSystem {
                     block
                         .fixed_view_mut::<3, 3>(3, 3)
                         .copy_from(&(spin + Matrix3::from_diagonal_element(turning)));
+                    if let Some(derivatives) = &crushed {
+                        block += derivatives[i] * derivatives[j].transpose();
+                    }
                     let block = maps[i].transpose() * block * maps[j] * term.weight;
                     self.add(a, b, &block);
                 }
@@ -214,12 +227,19 @@ impl CoarseSystem {
                 self.add(body_node, node, &between);
             }
         }
-        for (column, mut entries) in self.lower.outer_iterator_mut().enumerate() {
-            if let Some(diagonal) = entries.get_mut(column) {
-                *diagonal = *diagonal * (1.0 + DAMPING) + f64::MIN_POSITIVE;
+        let mut outcome = Ok(());
+        for damping in DAMPINGS {
+            for (column, mut entries) in self.lower.outer_iterator_mut().enumerate() {
+                if let Some(diagonal) = entries.get_mut(column) {
+                    *diagonal = *diagonal * (1.0 + damping) + f64::MIN_POSITIVE;
+                }
+            }
+            outcome = self.cholesky.factorize(&self.lower, stage);
+            if !matches!(outcome, Err(Error::Solver(_))) {
+                break;
             }
         }
-        self.cholesky.factorize(&self.lower, stage)
+        outcome
     }
 
     /// Adds a block at the rows of node `a` and the columns of `b`, a ≥ b.
@@ -268,8 +288,8 @@ impl CoarseSystem {
                         values[[0, first + axis]] = field.moves[vertex][axis];
                         values[[0, first + 3 + axis]] = field.turns[vertex][axis];
                     }
-                    Role::Fixed => values[[0, first + axis]] = field.turns[vertex][axis],
-                    Role::Body(_) | Role::Floating => {}
+                    Role::Pinned => values[[0, first + axis]] = field.turns[vertex][axis],
+                    Role::Fixed | Role::Body(_) | Role::Floating => {}
                 }
             }
         }
@@ -292,8 +312,8 @@ impl CoarseSystem {
                         found.moves[vertex][axis] = values[[0, first + axis]];
                         found.turns[vertex][axis] = values[[0, first + 3 + axis]];
                     }
-                    Role::Fixed => found.turns[vertex][axis] = values[[0, first + axis]],
-                    Role::Body(_) | Role::Floating => {}
+                    Role::Pinned => found.turns[vertex][axis] = values[[0, first + axis]],
+                    Role::Fixed | Role::Body(_) | Role::Floating => {}
                 }
             }
         }

@@ -41,7 +41,7 @@ pub(super) fn decimate(
     let mut work = Work::new(positions, triangles, labels);
     let mut queue = BinaryHeap::new();
     for vertex in 0..positions.len() {
-        if vertex % 4096 == 0 {
+        if vertex.is_multiple_of(4096) {
             stage.check()?;
         }
         work.enqueue(vertex as u32, &mut queue);
@@ -52,7 +52,7 @@ pub(super) fn decimate(
             break;
         };
         steps += 1;
-        if steps % 4096 == 0 {
+        if steps.is_multiple_of(4096) {
             stage.check()?;
         }
         if work.ages[from as usize] != age {

@@ -15,9 +15,27 @@ pub(super) struct FaceTerm {
     pub basis: [Vector3<f64>; 2],
     /// ∇x − R̄ T, two columns.
     pub strain: [Vector3<f64>; 2],
-    /// e² of strain and of turning, without ε.
+    /// e² of strain and turning, without ε.
     pub square: f64,
+    /// How the area changes, where it is crushed.
+    pub crushed: Option<Crushed>,
 }
+
+/// A face that is about to turn over.
+#[derive(Debug, Clone)]
+pub(super) struct Crushed {
+    /// How much less the ratio J of areas, in the plane of R̄ T, is than the least that costs
+    /// nothing.
+    pub lack: f64,
+    /// The derivative of the cost by lack², relative to that of φ(e) by e².
+    pub firmness: f64,
+    /// The derivatives of J by the two columns of ∇x, and by a turn of R̄.
+    pub by_columns: [Vector3<f64>; 2],
+    pub by_turn: Vector3<f64>,
+}
+
+/// J below which crushing costs, so that faces do not turn over at the inner side of a joint.
+const LEAST_AREA: f64 = 0.4;
 
 impl Model {
     /// What face `face` is in `state`.
@@ -37,10 +55,22 @@ impl Model {
         let basis = tangents.map(|tangent| rotated(&mean, &tangent));
         let deformed = columns([1, 2].map(|corner| edge(&state.positions, corner)));
         let strain = [0, 1].map(|axis| deformed[axis] - basis[axis]);
+        let normal = basis[0].cross(&basis[1]);
+        let area = deformed[0].cross(&deformed[1]);
+        // A degenerate face has little area at rest.
+        let lack = LEAST_AREA * normal.norm_squared() - normal.dot(&area);
         let square = strain[0].norm_squared()
             + strain[1].norm_squared()
             + self.parameters.stiffness * turning(&apart, hats);
+        let crushing = self.parameters.crushing;
+        let crushed = (lack > 0.0 && crushing > 0.0).then(|| Crushed {
+            lack,
+            firmness: crushing / self.parameters.weight(square),
+            by_columns: [deformed[1].cross(&normal), normal.cross(&deformed[0])],
+            by_turn: normal.cross(&area),
+        });
         FaceTerm {
+            crushed,
             apart,
             basis,
             strain,
@@ -55,31 +85,35 @@ impl Model {
         let faces = parallel::sum(areas.len(), |range| {
             range
                 .filter(|&face| self.is_held(&triangles[face]))
-                .map(|face| areas[face] * self.parameters.cost(self.face_term(face, state).square))
+                .map(|face| areas[face] * self.parameters.cost(&self.face_term(face, state)))
                 .sum()
         });
+        faces + self.value_at_vertices(state, goals)
+    }
+
+    /// What stillness and springs cost, length².
+    pub fn value_at_vertices(&self, state: &State, goals: &Goals) -> f64 {
         let masses = self.operators.masses();
-        let vertices = parallel::sum(masses.len(), |range| {
+        let of_vertex = |vertex: usize| {
+            let moved = state.positions[vertex] - goals.still[vertex];
+            let still = self.parameters.stillness
+                * masses[vertex]
+                * self.parameters.moved(moved.norm_squared());
+            let spring = match goals.springs[vertex] > 0.0 {
+                true => {
+                    let off = state.positions[vertex] - self.pulled_to(vertex, goals, state);
+                    0.5 * goals.springs[vertex] * off.norm_squared()
+                }
+                false => 0.0,
+            };
+            still + spring
+        };
+        parallel::sum(masses.len(), |range| {
             range
                 .filter(|&vertex| self.roles[vertex] != Role::Floating)
-                .map(|vertex| {
-                    let moved = state.positions[vertex] - goals.still[vertex];
-                    let still = self.parameters.stillness
-                        * masses[vertex]
-                        * self.parameters.moved(moved.norm_squared());
-                    let spring = match goals.springs[vertex] > 0.0 {
-                        true => {
-                            let off =
-                                state.positions[vertex] - self.pulled_to(vertex, goals, state);
-                            0.5 * goals.springs[vertex] * off.norm_squared()
-                        }
-                        false => 0.0,
-                    };
-                    still + spring
-                })
+                .map(of_vertex)
                 .sum()
-        });
-        faces + vertices
+        })
     }
 
     /// Whether a face is of a component with a handle.
@@ -89,12 +123,15 @@ impl Model {
 }
 
 impl Parameters {
-    /// φ(e) − φ(ε).
+    /// φ(e) − φ(ε), and what crushing costs.
     #[inline]
-    fn cost(&self, square: f64) -> f64 {
+    pub fn cost(&self, term: &FaceTerm) -> f64 {
+        let square = term.square;
         let e = (square + self.unstrained).sqrt();
+        let lack = term.crushed.as_ref().map_or(0.0, |crushed| crushed.lack);
         // Of differences, so that digits are left near rest.
-        square / (e + self.unstrained.sqrt()) + 0.5 * self.softness * square
+        square / (e + self.unstrained.sqrt())
+            + 0.5 * (self.softness * square + self.crushing * lack * lack)
     }
 
     /// φ′(e)/e.

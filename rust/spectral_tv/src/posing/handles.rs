@@ -5,13 +5,16 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use crate::deformation::{Constraints, nearest_rotation};
 use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
+use crate::posing::current::Current;
+use crate::posing::frames::Frames;
 use crate::posing::model::{Goals, Role};
-use crate::posing::state::rotated;
+use crate::posing::state::{State, rotated};
 
-/// What the rest of the mesh counts, relative to the handles, in finding what stays still.
-const PRIOR: f64 = 0.1;
-/// Off the common motion by no more than this, relative to the diagonal, is on it.
-const ON_IT: f64 = 1e-7;
+/// What no turn counts, relative to the handles, in finding what they have in common.
+const PRIOR: f64 = 1e-3;
+/// Distances from a common motion, relative to the diagonal, within which points are taken to have
+/// it: more and more exactly.
+const CLOSE: [f64; 3] = [1e-2, 1e-5, 1e-8];
 const MOST_ITERATIONS: usize = 60;
 
 /// Constrained vertices, and which of them turn freely.
@@ -23,6 +26,7 @@ pub struct Handles {
     pub(super) pulled_along: Vec<Option<u32>>,
     /// Of every free body: its entries, and where the mean of them is at rest.
     pub(super) bodies: Vec<Body>,
+    frames: Frames,
     rest: Vec<Vector3<f64>>,
     masses: Vec<f64>,
     diagonal: f64,
@@ -33,6 +37,9 @@ pub(super) struct Body {
     pub vertices: Vec<usize>,
     pub centre: Vector3<f64>,
 }
+
+/// What a point counts, where it is at rest, and where it goes.
+type Pair = (f64, Vector3<f64>, Vector3<f64>);
 
 /// A rigid motion: turns, then moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +60,19 @@ impl Motion {
         rotated(&self.rotation, point) + self.translation
     }
 
+    /// Moves a whole state.
+    pub fn carry(&self, state: &mut State) {
+        if *self == Self::none() {
+            return;
+        }
+        for position in &mut state.positions {
+            *position = self.applied(position);
+        }
+        for rotation in state.rotations.iter_mut().chain(&mut state.bodies) {
+            *rotation = (self.rotation * *rotation).normalize();
+        }
+    }
+
     /// What leads from this one to `next`.
     pub fn to(&self, next: &Self) -> Self {
         let rotation = next.rotation * self.rotation.conjugate();
@@ -66,7 +86,7 @@ impl Motion {
 
 impl Handles {
     /// Constrains `indices`, with weights as [`Constraints::new`] takes them. `bodies` has a number
-    /// for each: −1 for one that goes to its target. Those with the same other number are one rigid
+    /// for each: −1 for one that goes to its target, turned as the faces between such ones are. Those with the same other number are one rigid
     /// body that turns as it likes, its centre going to the mean of their targets; soft ones are
     /// pulled along with it.
     ///
@@ -84,16 +104,11 @@ impl Handles {
         let none = vec![-1; indices.len()];
         let numbers = bodies.unwrap_or(&none);
         if numbers.len() != indices.len() {
-            return Err(ArgumentError::value(
-                "bodies",
-                format!(
-                    "must be one number per constrained vertex ({})",
-                    indices.len()
-                ),
-                numbers.len(),
-            )
-            .called("there")
-            .into());
+            let must = format!(
+                "must have one number per constrained vertex ({})",
+                indices.len()
+            );
+            return Err(ArgumentError::value("bodies", must, numbers.len()).into());
         }
         let mut known: Vec<i64> = numbers.iter().copied().filter(|&n| n >= 0).collect();
         known.sort_unstable();
@@ -130,6 +145,12 @@ impl Handles {
                     .into());
                 }
                 of_body[vertex] = Some(body);
+            }
+        }
+        let frames = Frames::new(mesh, &roles);
+        for (vertex, role) in roles.iter_mut().enumerate() {
+            if *role == Role::Fixed && !frames.are_at(vertex) {
+                *role = Role::Pinned;
             }
         }
         let of = |body: u32, is_wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
@@ -171,6 +192,7 @@ impl Handles {
         Ok(Self {
             masses: mesh.vertex_areas().to_vec(),
             diagonal: diagonal(&rest),
+            frames,
             constraints,
             roles,
             arms,
@@ -180,9 +202,31 @@ impl Handles {
         })
     }
 
+    /// Whether each vertex is in a connected component without constraints: it goes with the
+    /// surface nearest to it.
+    pub fn floating(&self) -> &[bool] {
+        self.constraints.floating()
+    }
+
     /// The diagonal of the bounding box, D.
     pub(super) fn diagonal(&self) -> f64 {
         self.diagonal
+    }
+
+    /// Where all is before anything moves.
+    pub(super) fn at_rest(&self) -> Current {
+        Current {
+            state: State::at_rest(&self.rest, self.bodies.len()),
+            goals: Goals {
+                positions: self.rest.clone(),
+                rotations: vec![Quaternion::identity(); self.rest.len()],
+                still: self.rest.clone(),
+                springs: vec![0.0; self.rest.len()],
+                centres: self.bodies.iter().map(|body| body.centre).collect(),
+            },
+            motion: Motion::none(),
+            targets: None,
+        }
     }
 
     /// Where target `positions` take what is held, and the motion that most of it has in common.
@@ -203,6 +247,7 @@ impl Handles {
         let motion = self.common_motion(&positions, &centres);
         let goals = Goals {
             still: self.rest.iter().map(|p| motion.applied(p)).collect(),
+            rotations: self.frames.rotations(&positions),
             positions,
             springs: targets.springs,
             centres,
@@ -213,11 +258,11 @@ impl Handles {
     /// The rigid motion of the least Σ m |M p − t| over what is held, which is that of the greater
     /// part if it moves rigidly.
     fn common_motion(&self, positions: &[Vector3<f64>], centres: &[Vector3<f64>]) -> Motion {
-        let mut points: Vec<(f64, Vector3<f64>, Vector3<f64>)> = Vec::new();
+        let mut points: Vec<Pair> = Vec::new();
         let mut body_masses = vec![0.0; self.bodies.len()];
         for (vertex, role) in self.roles.iter().enumerate() {
             match *role {
-                Role::Fixed => {
+                Role::Pinned | Role::Fixed => {
                     points.push((self.masses[vertex], self.rest[vertex], positions[vertex]));
                 }
                 Role::Body(body) => body_masses[body as usize] += self.masses[vertex],
@@ -229,67 +274,59 @@ impl Handles {
         }
         let total: f64 = points.iter().map(|point| point.0).sum();
         let none = Motion::none();
-        let is_still = |p: &(f64, Vector3<f64>, Vector3<f64>)| p.1 == p.2;
+        let is_still = |p: &Pair| p.1 == p.2;
         let still: f64 = points.iter().filter(|p| is_still(p)).map(|p| p.0).sum();
         if still >= 0.5 * total {
             return none;
         }
-        // What is prior keeps turns about a line or a point from being any.
-        let (least, most) = bounds(&self.rest);
-        for corner in 0..8 {
-            let at = Vector3::from_fn(|axis, _| match corner >> axis & 1 {
-                0 => least[axis],
-                _ => most[axis],
-            });
-            points.push((PRIOR * total / 8.0, at, at));
+        // What lies on a motion to within each of these in turn decides it more exactly.
+        let close = CLOSE.map(|close| close * self.diagonal);
+        let exact = |mut motion: Motion| {
+            for close in close {
+                let is_on = |p: &Pair| (motion.applied(&p.1) - p.2).norm() < close;
+                let on_it: f64 = points.iter().filter(|p| is_on(p)).map(|p| p.0).sum();
+                if on_it <= 0.5 * total {
+                    return None;
+                }
+                let own = |p: &Pair| if is_on(p) { p.0 } else { 0.0 };
+                motion = fitted(&points, &motion, 0.0, own);
+            }
+            Some(motion)
+        };
+        let all = fitted(&points, &none, 0.0, |p| p.0);
+        if let Some(motion) = exact(all) {
+            return motion;
         }
-        let close = 1e-9 * self.diagonal;
+        // Turns that a line or a point leaves open are none.
+        let prior = PRIOR * total * self.diagonal;
         let mut motion = none;
         for _ in 0..MOST_ITERATIONS {
-            let weight = |p: &(f64, Vector3<f64>, Vector3<f64>)| {
-                p.0 / (motion.applied(&p.1) - p.2).norm().max(close)
-            };
-            let next = fitted(&points, &motion, weight);
-            let apart = (motion.to(&next).rotation.imag().norm() * self.diagonal).max(
-                motion
-                    .to(&next)
-                    .applied(&points[0].2)
-                    .metric_distance(&points[0].2),
-            );
+            let weight = |p: &Pair| p.0 / (motion.applied(&p.1) - p.2).norm().max(close[2]);
+            let next = fitted(&points, &motion, prior, weight);
+            let change = motion.to(&next);
             motion = next;
-            if apart < close {
+            let shifts = points.iter().map(|p| (change.applied(&p.2) - p.2).norm());
+            if shifts.fold(0.0, f64::max) < close[2] {
                 break;
             }
         }
-        // To rounding, if the greater part has it exactly.
-        let is_on = |p: &(f64, Vector3<f64>, Vector3<f64>)| {
-            (motion.applied(&p.1) - p.2).norm() < ON_IT * self.diagonal
-        };
-        let on_it: f64 = points.iter().filter(|p| is_on(p)).map(|p| p.0).sum();
-        match on_it > 0.5 * total {
-            true => fitted(&points, &motion, |p| if is_on(p) { p.0 } else { 0.0 }),
-            false => motion,
-        }
+        exact(motion).unwrap_or(motion)
     }
 }
 
-/// The rigid motion of least Σ w |M p − t|².
-fn fitted(
-    points: &[(f64, Vector3<f64>, Vector3<f64>)],
-    known: &Motion,
-    weight: impl Fn(&(f64, Vector3<f64>, Vector3<f64>)) -> f64,
-) -> Motion {
+/// The rigid motion of least Σ w |M p − t|², no turn counting as much as `prior`, mass × length².
+fn fitted(points: &[Pair], known: &Motion, prior: f64, weight: impl Fn(&Pair) -> f64) -> Motion {
     let weights: Vec<f64> = points.iter().map(weight).collect();
     let total: f64 = weights.iter().sum();
     if total <= 0.0 {
         return *known;
     }
-    let mean = |of: &dyn Fn(&(f64, Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-        let sum: Vector3<f64> = points.iter().zip(&weights).map(|(p, w)| *w * of(p)).sum();
-        sum / total
-    };
-    let (before, after) = (mean(&|p| p.1), mean(&|p| p.2));
-    let mut covariance = Matrix3::zeros();
+    let (mut before, mut after) = (Vector3::zeros(), Vector3::zeros());
+    for (point, weight) in points.iter().zip(&weights) {
+        before += weight / total * point.1;
+        after += weight / total * point.2;
+    }
+    let mut covariance = Matrix3::from_diagonal_element(prior);
     for (point, weight) in points.iter().zip(&weights) {
         covariance += *weight * (point.2 - after) * (point.1 - before).transpose();
     }

@@ -1,6 +1,6 @@
 //! From coarse motions to fine ones, and back.
 
-use nalgebra::{Quaternion, Vector3};
+use nalgebra::{Quaternion, Vector3, Vector4};
 
 use crate::parallel;
 use crate::posing::decimation::Decimated;
@@ -64,11 +64,9 @@ impl Lift {
 
     /// The coarse vertices of a fine state.
     pub fn injected(&self, fine: &State) -> State {
-        let at = |&vertex: &u32| fine.positions[vertex as usize];
-        let turned = |&vertex: &u32| fine.rotations[vertex as usize];
         State {
-            positions: self.vertices.iter().map(at).collect(),
-            rotations: self.vertices.iter().map(turned).collect(),
+            positions: self.taken(&fine.positions),
+            rotations: self.taken(&fine.rotations),
             bodies: fine.bodies.clone(),
         }
     }
@@ -148,12 +146,18 @@ impl Lift {
         sums
     }
 
+    /// What the vertices that are coarse ones too have.
+    pub fn taken<T: Clone>(&self, values: &[T]) -> Vec<T> {
+        let vertices = self.vertices.iter();
+        vertices.map(|&v| values[v as usize].clone()).collect()
+    }
+
     /// Sums at every coarse vertex of the shares of what fine ones have.
-    pub fn shared(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
-        let mut sums = vec![0.0; self.vertices.len()];
+    pub fn shared(&self, value: impl Fn(usize) -> Vector4<f64>) -> Vec<Vector4<f64>> {
+        let mut sums = vec![Vector4::zeros(); self.vertices.len()];
         for (vertex, (corners, shares)) in self.places.iter().enumerate() {
             let value = value(vertex);
-            if value != 0.0 {
+            if value.w != 0.0 {
                 for (&corner, &share) in corners.iter().zip(shares) {
                     sums[corner as usize] += share * value;
                 }

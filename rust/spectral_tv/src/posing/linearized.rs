@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::parallel;
+use crate::posing::energy::Crushed;
 use crate::posing::field::Field;
 use crate::posing::model::{Goals, Model, Role};
 use crate::posing::state::State;
@@ -12,6 +13,8 @@ use crate::posing::state::State;
 pub(super) struct Linearized<'a> {
     pub model: &'a Model,
     state: &'a State,
+    /// E, as [`Model::value`] gives it.
+    pub value: f64,
     /// The gradient by what moves freely.
     pub gradient: Field,
     /// Of every face; 0 where it is floating.
@@ -28,6 +31,10 @@ pub(super) struct FaceModel {
     pub weight: f64,
     /// R̄ T, two columns.
     pub basis: [Vector3<f64>; 2],
+    /// Where the face is crushed.
+    pub crushed: Option<Box<Crushed>>,
+    /// A φ(e), length².
+    cost: f64,
 }
 
 type Corner = [Vector3<f64>; 2];
@@ -42,19 +49,29 @@ impl<'a> Linearized<'a> {
                 let none = FaceModel {
                     weight: 0.0,
                     basis: [Vector3::zeros(); 2],
+                    crushed: None,
+                    cost: 0.0,
                 };
                 return (none, [[Vector3::zeros(); 2]; 3]);
             }
             let term = model.face_term(face, state);
             let weight = areas[face] * model.parameters.weight(term.square);
             // −⟨∇x − R̄ T, [θ] R̄ T⟩ = θ · torque, θ the turn of the mean rotation.
-            let torque = -(0..2)
+            let mut torque = -(0..2)
                 .map(|axis| term.basis[axis].cross(&term.strain[axis]))
                 .sum::<Vector3<f64>>();
+            let mut stress = term.strain;
+            if let Some(crushed) = &term.crushed {
+                let push = -crushed.firmness * crushed.lack;
+                for (stress, derivative) in stress.iter_mut().zip(&crushed.by_columns) {
+                    *stress += push * derivative;
+                }
+                torque += push * crushed.by_turn;
+            }
             let upright: f64 = term.apart.iter().map(|q| q.w).sum();
             let hats = &hats[face];
             let corner = |i: usize| {
-                let force = hats[i][0] * term.strain[0] + hats[i][1] * term.strain[1];
+                let force = hats[i][0] * stress[0] + hats[i][1] * stress[1];
                 let (w, v) = (term.apart[i].w, term.apart[i].imag());
                 let mut turn = (w * torque + v.cross(&torque)) / upright;
                 for j in (0..3).filter(|&j| j != i) {
@@ -67,15 +84,20 @@ impl<'a> Linearized<'a> {
             };
             let face = FaceModel {
                 weight,
+                cost: areas[face] * model.parameters.cost(&term),
                 basis: term.basis,
+                crushed: term.crushed.map(Box::new),
             };
             (face, [corner(0), corner(1), corner(2)])
         };
-        let (faces, shares): (Vec<_>, Vec<_>) = (0..triangles.len())
+        let (faces, shares): (Vec<FaceModel>, Vec<_>) = (0..triangles.len())
             .into_par_iter()
             .with_min_len(1 << 11)
             .map(of_face)
             .unzip();
+        let value = parallel::sum(faces.len(), |range| {
+            faces[range].iter().map(|face| face.cost).sum()
+        }) + model.value_at_vertices(state, goals);
         let mut field = gathered(model, &shares);
         let masses = model.operators.masses();
         let parameters = &model.parameters;
@@ -84,10 +106,9 @@ impl<'a> Linearized<'a> {
             parameters.stillness * masses[vertex]
                 / (moved.norm_squared() + parameters.unmoved).sqrt()
         });
-        for vertex in 0..masses.len() {
+        for (vertex, &spring) in goals.springs.iter().enumerate() {
             let moved = state.positions[vertex] - goals.still[vertex];
             field.moves[vertex] += still[vertex] * moved;
-            let spring = goals.springs[vertex];
             if spring > 0.0 {
                 let goal = model.pulled_to(vertex, goals, state);
                 let pull = spring * (state.positions[vertex] - goal);
@@ -102,6 +123,7 @@ impl<'a> Linearized<'a> {
         Self {
             model,
             state,
+            value,
             gradient: field,
             faces,
             still,
@@ -117,7 +139,12 @@ impl<'a> Linearized<'a> {
         let gradient = model.operators.gradient();
         let (triangles, hats) = (gradient.triangles(), gradient.hats());
         let of_face = |face: usize| {
-            let FaceModel { weight, basis } = &self.faces[face];
+            let FaceModel {
+                weight,
+                basis,
+                crushed,
+                ..
+            } = &self.faces[face];
             let corners = triangles[face].map(|corner| corner as usize);
             let hats = &hats[face];
             let turn =
@@ -127,9 +154,21 @@ impl<'a> Linearized<'a> {
                     .map(|i| hats[i][axis] * values[corners[i]])
                     .sum::<Vector3<f64>>()
             };
-            let strain = [0, 1].map(|axis| along(&moved.moves, axis) - turn.cross(&basis[axis]));
+            let columns = [0, 1].map(|axis| along(&moved.moves, axis));
+            let mut strain = [0, 1].map(|axis| columns[axis] - turn.cross(&basis[axis]));
             let turning = [0, 1].map(|axis| model.parameters.stiffness * along(&moved.turns, axis));
-            let torque = -(basis[0].cross(&strain[0]) + basis[1].cross(&strain[1])) / 3.0;
+            let mut torque = -(basis[0].cross(&strain[0]) + basis[1].cross(&strain[1])) / 3.0;
+            if let Some(crushed) = crushed {
+                let by_columns = &crushed.by_columns;
+                let change = crushed.firmness
+                    * (by_columns[0].dot(&columns[0])
+                        + by_columns[1].dot(&columns[1])
+                        + crushed.by_turn.dot(&turn));
+                for (strain, derivative) in strain.iter_mut().zip(by_columns) {
+                    *strain += change * derivative;
+                }
+                torque += change * crushed.by_turn / 3.0;
+            }
             [0, 1, 2].map(|i| {
                 let force = hats[i][0] * strain[0] + hats[i][1] * strain[1];
                 let turn = hats[i][0] * turning[0] + hats[i][1] * turning[1] + torque;
@@ -164,6 +203,17 @@ impl<'a> Linearized<'a> {
         }
         model.reduce(self.state, &mut product);
         product
+    }
+
+    /// By how much the block of movements of a face is larger than its weight, at most.
+    pub fn crushing(&self, face: usize) -> f64 {
+        match &self.faces[face].crushed {
+            Some(crushed) => {
+                let squares = crushed.by_columns.iter().map(Vector3::norm_squared);
+                1.0 + crushed.firmness * squares.sum::<f64>()
+            }
+            None => 1.0,
+        }
     }
 
     /// What stands on the diagonal of δx beside the faces' shares.

@@ -1,6 +1,6 @@
 //! What does not change while a mesh is posed: its operators, its rest, and what holds it.
 
-use nalgebra::Vector3;
+use nalgebra::{Quaternion, Vector3};
 
 use crate::discretization::Discretization;
 use crate::posing::field::Field;
@@ -18,6 +18,8 @@ pub(super) enum Role {
     /// All.
     Free,
     /// Its rotation; its position is given.
+    Pinned,
+    /// Nothing, as its position and rotation are given.
     Fixed,
     /// It goes with a free body, whose centre is given.
     Body(u32),
@@ -54,7 +56,13 @@ pub(super) struct Parameters {
     pub unmoved: f64,
     /// ε².
     pub unstrained: f64,
+    /// What crushing costs, as s is what strain costs. Nothing on a coarse mesh, whose faces turn
+    /// over where a fine one folds.
+    pub crushing: f64,
 }
+
+/// That of the fine mesh, relative to s.
+const CRUSHING: f64 = 40.0;
 
 impl Parameters {
     pub fn new(settings: &Settings, diagonal: f64) -> Self {
@@ -64,6 +72,17 @@ impl Parameters {
             stillness: settings.stillness / diagonal,
             unmoved: (UNMOVED * diagonal).powi(2),
             unstrained: EPSILON * EPSILON,
+            crushing: CRUSHING * settings.joint_softness,
+        }
+    }
+}
+
+impl Parameters {
+    /// The same for a coarse mesh.
+    pub fn coarse(self) -> Self {
+        Self {
+            crushing: 0.0,
+            ..self
         }
     }
 }
@@ -71,8 +90,10 @@ impl Parameters {
 /// Where handles are taken.
 #[derive(Debug, Clone)]
 pub(super) struct Goals {
-    /// Of fixed vertices, and of soft ones that no body pulls along, V.
+    /// Of fixed and pinned vertices, and of soft ones that no body pulls along, V.
     pub positions: Vec<Vector3<f64>>,
+    /// Of fixed vertices, as unit quaternions, V.
+    pub rotations: Vec<Quaternion<f64>>,
     /// κ of ½ Σ κ |x − t|², 0 where there is no spring, V.
     pub springs: Vec<f64>,
     /// Of the free bodies.
@@ -97,7 +118,11 @@ impl Model {
     pub fn place(&self, goals: &Goals, state: &mut State) {
         for (vertex, role) in self.roles.iter().enumerate() {
             match *role {
-                Role::Fixed => state.positions[vertex] = goals.positions[vertex],
+                Role::Pinned => state.positions[vertex] = goals.positions[vertex],
+                Role::Fixed => {
+                    state.positions[vertex] = goals.positions[vertex];
+                    state.rotations[vertex] = goals.rotations[vertex];
+                }
                 Role::Body(body) => {
                     let rotation = state.bodies[body as usize];
                     let arm = rotated(&rotation, &self.arms[vertex]);
@@ -134,7 +159,7 @@ impl Model {
         for (vertex, role) in self.roles.iter().enumerate() {
             match *role {
                 Role::Free => {}
-                Role::Fixed => field.moves[vertex] = Vector3::zeros(),
+                Role::Pinned => field.moves[vertex] = Vector3::zeros(),
                 Role::Body(body) => {
                     let arm = self.arm(vertex, body, state);
                     let torque = field.turns[vertex] + arm.cross(&field.moves[vertex]);
@@ -142,7 +167,7 @@ impl Model {
                     field.moves[vertex] = Vector3::zeros();
                     field.turns[vertex] = Vector3::zeros();
                 }
-                Role::Floating => {
+                Role::Fixed | Role::Floating => {
                     field.moves[vertex] = Vector3::zeros();
                     field.turns[vertex] = Vector3::zeros();
                 }

@@ -12,8 +12,8 @@ pub struct Pose {
     /// E, length²; 0 for a rigid motion at rest.
     pub energy: f64,
     /// A certificate: by how much the quadratic model says the energy could be less, relative to
-    /// it. 0 at a stationary point.
-    pub decrement: f64,
+    /// it. 0 at a stationary point; `None` where a drag did not measure it.
+    pub decrement: Option<f64>,
     /// The largest movement of a vertex in the last iteration, length.
     pub movement: f64,
     /// Iterations.

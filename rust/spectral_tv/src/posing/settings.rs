@@ -1,6 +1,9 @@
 //! The parameters of the energy.
 
-use crate::error::{ArgumentError, Result, has_usable_size};
+use crate::error::{ArgumentError, Result};
+
+/// The largest parameter: larger ones make no difference but to rounding.
+const MOST: f64 = 1e6;
 
 /// How a pose is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +27,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Refuses what is not a number, 0 or more.
+    /// Refuses what is not a number from 0 to 1e6.
     ///
     /// # Errors
     /// Names the first that is not.
@@ -34,10 +37,10 @@ impl Settings {
             ("stiffness", self.stiffness),
             ("stillness", self.stillness),
         ] {
-            if !(value >= 0.0 && has_usable_size(value)) {
+            if !(0.0..=MOST).contains(&value) {
                 return Err(ArgumentError::value(
                     name,
-                    "must be a number, 0 or more",
+                    "must be a number from 0 to 1e6",
                     format_args!("{value:?}"),
                 )
                 .into());

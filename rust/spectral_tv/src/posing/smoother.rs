@@ -53,7 +53,7 @@ impl Smoother {
     /// As [`Self::set_moves`].
     pub fn set_turns(&mut self, linearized: &Linearized, stage: Stage) -> Result<()> {
         let model = linearized.model;
-        let is_held = |vertex: usize| !matches!(model.roles[vertex], Role::Free | Role::Fixed);
+        let is_held = |vertex: usize| !matches!(model.roles[vertex], Role::Free | Role::Pinned);
         let mut masses = vec![0.0; model.rest.len()];
         for (corners, face) in model
             .operators
@@ -67,7 +67,11 @@ impl Smoother {
             }
         }
         let stiffness = model.parameters.stiffness;
-        let diagonal = |vertex: usize| masses[vertex];
+        // A vertex of no face that counts is turned by nothing.
+        let diagonal = |vertex: usize| match masses[vertex] {
+            mass if mass > 0.0 => mass,
+            _ => 1.0,
+        };
         set(
             &mut self.turns,
             linearized,
@@ -123,8 +127,9 @@ fn set(
         .faces
         .iter()
         .zip(areas)
-        .map(|(face, &area)| match area > 0.0 {
-            true => scale * face.weight / area,
+        .enumerate()
+        .map(|(place, (face, &area))| match area > 0.0 {
+            true => scale * linearized.crushing(place) * face.weight / area,
             false => 0.0,
         })
         .collect();

@@ -1,0 +1,130 @@
+//! Where a pose stands, and cycles of both meshes that take it towards its goals.
+
+use crate::error::Result;
+use crate::monitor::Stage;
+use crate::posing::field::Field;
+use crate::posing::handles::{Handles, Motion};
+use crate::posing::levels::Levels;
+use crate::posing::linearized::Linearized;
+use crate::posing::model::Goals;
+use crate::posing::search::{largest_movement, limited, searched};
+use crate::posing::state::{State, rotated};
+
+/// Gauss–Newton steps of the coarse mesh in a cycle.
+const STEPS: usize = 2;
+
+/// A state, the goals that it meets, and the motion that they have in common.
+pub(super) struct Current {
+    pub state: State,
+    pub goals: Goals,
+    pub motion: Motion,
+    /// The targets that these are of; `None` at rest.
+    pub targets: Option<Vec<[f64; 3]>>,
+}
+
+impl Current {
+    /// One cycle: the coarse mesh follows the handles, the fine one follows it, and is smoothed.
+    /// Returns the largest movement, length.
+    pub fn cycle(
+        &mut self,
+        levels: &mut Levels,
+        handles: &Handles,
+        targets: &[[f64; 3]],
+        stage: Stage,
+    ) -> Result<f64> {
+        let (goals, motion) = handles.goals(targets)?;
+        let before = levels.lift.injected(&self.state);
+        // What the coarse gradient lacks, so that a stationary fine pose stays (Nash 2000, "A
+        // multigrid approach to discretized optimization problems").
+        let mut lack = {
+            let coarse_goals = levels.coarse_goals(&self.goals);
+            let fine = Linearized::new(&levels.fine, &self.state, &self.goals);
+            let mut asked = levels.lift.restrict(&fine.gradient, &before, &self.state);
+            levels.coarse.reduce(&before, &mut asked);
+            let coarse = Linearized::new(&levels.coarse, &before, &coarse_goals);
+            let mut lack = asked;
+            lack.add(-1.0, &coarse.gradient);
+            lack
+        };
+        let carried = self.motion.to(&motion);
+        let mut coarse = before;
+        carried.carry(&mut coarse);
+        for vectors in [&mut lack.moves, &mut lack.turns, &mut lack.bodies] {
+            for vector in vectors.iter_mut() {
+                *vector = rotated(&carried.rotation, vector);
+            }
+        }
+        let start = coarse.clone();
+        let coarse_goals = levels.coarse_goals(&goals);
+        levels.coarse.place(&coarse_goals, &mut coarse);
+        for _ in 0..STEPS {
+            stage.check()?;
+            let linearized = Linearized::new(&levels.coarse, &coarse, &coarse_goals);
+            levels.system.factorize(&linearized, stage)?;
+            let mut descent = linearized.gradient.clone();
+            descent.add(1.0, &lack);
+            let slope_field = descent.clone();
+            let mut direction = levels.system.solve(&descent, &levels.coarse);
+            direction.add(-2.0, &direction.clone());
+            let limit = limited(&direction);
+            let slope = slope_field.dot(&direction);
+            let mut expanded = direction.clone();
+            levels.coarse.expand(&coarse, &mut expanded);
+            let value = linearized.value;
+            let along = lack.dot(&direction);
+            let (model, goals) = (&levels.coarse, &coarse_goals);
+            let state = coarse.clone();
+            let (length, next) = searched(limit, slope, value, |length| {
+                let next = model.moved(&state, &expanded, length, goals);
+                let value = model.value(&next, goals) + length * along;
+                (value, next)
+            });
+            if length == 0.0 {
+                break;
+            }
+            coarse = next;
+        }
+        let mut fine = self.state.clone();
+        carried.carry(&mut fine);
+        fine = levels.lift.carry(&fine, &start, &coarse);
+        levels.fine.place(&goals, &mut fine);
+        let last = std::mem::replace(&mut self.state, fine);
+        (self.goals, self.motion) = (goals, motion);
+        self.targets = Some(targets.to_vec());
+        self.smooth(levels, stage)?;
+        Ok(largest_movement(&last, &self.state))
+    }
+
+    /// Positions, then rotations, by themselves.
+    fn smooth(&mut self, levels: &mut Levels, stage: Stage) -> Result<()> {
+        let (fine, goals) = (&levels.fine, &self.goals);
+        for is_turning in [false, true] {
+            stage.check()?;
+            let linearized = Linearized::new(fine, &self.state, goals);
+            let mut direction = Field::zeros(fine.rest.len(), fine.body_count);
+            let forces = &linearized.gradient;
+            match is_turning {
+                false => {
+                    levels.smoother.set_moves(&linearized, stage)?;
+                    direction.moves = levels.smoother.moves(&forces.moves, stage)?;
+                }
+                true => {
+                    levels.smoother.set_turns(&linearized, stage)?;
+                    direction.turns = levels.smoother.turns(&forces.turns, stage)?;
+                }
+            }
+            direction.add(-2.0, &direction.clone());
+            let slope = linearized.gradient.dot(&direction);
+            let value = linearized.value;
+            let state = &self.state;
+            let (length, next) = searched(limited(&direction), slope, value, |length| {
+                let next = fine.moved(state, &direction, length, goals);
+                (fine.value(&next, goals), next)
+            });
+            if length > 0.0 {
+                self.state = next;
+            }
+        }
+        Ok(())
+    }
+}

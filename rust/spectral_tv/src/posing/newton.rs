@@ -1,0 +1,117 @@
+//! Gauss–Newton steps of the fine mesh by conjugate gradients, which the coarse mesh and the smoother
+//! precondition.
+
+use nalgebra::Vector3;
+
+use crate::error::Result;
+use crate::monitor::Stage;
+use crate::posing::current::Current;
+use crate::posing::field::Field;
+use crate::posing::levels::Levels;
+use crate::posing::linearized::Linearized;
+use crate::posing::model::{Model, Role};
+use crate::posing::search::{largest_movement, limited, searched};
+
+const MOST_ITERATIONS: usize = 60;
+/// Of the residual, in the norm of the preconditioner.
+const TOLERANCE: f64 = 0.1;
+/// An energy that is none, relative to (0.01 D)².
+const ROUNDING: f64 = 1e-10;
+/// A decrement that makes no step worth its while, relative to the tolerance.
+const NOTHING: f64 = 0.01;
+
+impl Current {
+    /// A Gauss–Newton step of the fine mesh by preconditioned conjugate gradients. Returns the
+    /// decrement of the state it started from, and the largest movement.
+    pub fn newton(
+        &mut self,
+        levels: &mut Levels,
+        tolerance: f64,
+        stage: Stage,
+    ) -> Result<(f64, f64)> {
+        let fine = &levels.fine;
+        let linearized = Linearized::new(fine, &self.state, &self.goals);
+        levels.smoother.set_moves(&linearized, stage)?;
+        levels.smoother.set_turns(&linearized, stage)?;
+        let coarse_state = levels.lift.injected(&self.state);
+        let coarse_goals = levels.coarse_goals(&self.goals);
+        let coarse_linearized = Linearized::new(&levels.coarse, &coarse_state, &coarse_goals);
+        levels.system.factorize(&coarse_linearized, stage)?;
+        let (smoother, system) = (&mut levels.smoother, &mut levels.system);
+        let (coarse, lift, state) = (&levels.coarse, &levels.lift, &self.state);
+        let mut precondition = |residual: &Field| -> Result<Field> {
+            let mut found = smoother.solve(residual, stage)?;
+            let mut restricted = lift.restrict(residual, &coarse_state, state);
+            coarse.reduce(&coarse_state, &mut restricted);
+            let mut correction = system.solve(&restricted, coarse);
+            coarse.expand(&coarse_state, &mut correction);
+            let mut prolonged = lift.prolong(&correction, &coarse_state, state);
+            mask(fine, &mut prolonged);
+            found.add(1.0, &prolonged);
+            Ok(found)
+        };
+        let value = linearized.value;
+        let mut direction = Field::zeros(fine.rest.len(), fine.body_count);
+        let mut residual = linearized.gradient.clone();
+        residual.add(-2.0, &linearized.gradient);
+        let mut preconditioned = precondition(&residual)?;
+        let mut search = preconditioned.clone();
+        let mut norm = residual.dot(&preconditioned);
+        let first = norm;
+        let mut iterations = 0;
+        while norm > TOLERANCE * TOLERANCE * first && iterations < MOST_ITERATIONS {
+            stage.check()?;
+            let image = linearized.apply(&search);
+            let curvature = search.dot(&image);
+            if curvature <= 0.0 {
+                break;
+            }
+            let length = norm / curvature;
+            direction.add(length, &search);
+            let old = residual.clone();
+            residual.add(-length, &image);
+            preconditioned = precondition(&residual)?;
+            let next = residual.dot(&preconditioned);
+            // Of Polak and Ribière, as iterative solves make the preconditioner vary.
+            let beta = ((next - old.dot(&preconditioned)) / norm).max(0.0);
+            norm = next;
+            search.scale_and_add(beta, &preconditioned);
+            iterations += 1;
+        }
+        let slope = linearized.gradient.dot(&direction);
+        let rounding = ROUNDING * fine.parameters.unmoved;
+        let decrement = -0.5 * slope / value.max(rounding);
+        if decrement <= NOTHING * tolerance {
+            return Ok((decrement.max(0.0), 0.0));
+        }
+        let mut expanded = direction.clone();
+        fine.expand(&self.state, &mut expanded);
+        let (state, goals) = (&self.state, &self.goals);
+        let (length, next) = searched(limited(&direction), slope, value, |length| {
+            let next = fine.moved(state, &expanded, length, goals);
+            (fine.value(&next, goals), next)
+        });
+        let movement = match length > 0.0 {
+            true => largest_movement(state, &next),
+            false => 0.0,
+        };
+        if length > 0.0 {
+            self.state = next;
+        }
+        Ok((decrement, movement))
+    }
+}
+
+/// Takes out what is given.
+fn mask(model: &Model, field: &mut Field) {
+    for (vertex, role) in model.roles.iter().enumerate() {
+        match role {
+            Role::Free => {}
+            Role::Pinned => field.moves[vertex] = Vector3::zeros(),
+            Role::Fixed | Role::Body(_) | Role::Floating => {
+                field.moves[vertex] = Vector3::zeros();
+                field.turns[vertex] = Vector3::zeros();
+            }
+        }
+    }
+}
