@@ -170,8 +170,8 @@ def held_dumbbell() -> bpy.types.Object:
     return obj
 
 
-def leaning(obj: bpy.types.Object, what: str | int = "Head") -> float | None:
-    """How far a group's middle, or a vertex, has moved along X; None without a deformation."""
+def leaning(obj: bpy.types.Object, group: str = "Head") -> float | None:
+    """How far the middle of a group has moved along X; None without a deformation."""
     keys = obj.data.shape_keys
     if keys is None or "Deformation" not in keys.key_blocks:
         return None
@@ -179,8 +179,6 @@ def leaning(obj: bpy.types.Object, what: str | int = "Head") -> float | None:
         np.array([point.co.x for point in keys.key_blocks[name].data])
         for name in (keys.reference_key.name, "Deformation")
     )
-    if isinstance(what, int):
-        return float((shape - basis)[what])
-    index = obj.vertex_groups[what].index
+    index = obj.vertex_groups[group].index
     is_in = [any(each.group == index for each in v.groups) for v in obj.data.vertices]
     return float((shape - basis)[is_in].mean())
