@@ -3,8 +3,9 @@
 A feature's ``__init__.py`` names in FILES, in order, the files that have classes of Blender. A
 property group with an ``owner``, a type of Blender's and a name, becomes a property of that type.
 VERBS are the feature's verbs of the command line. START has functions that are called when the
-extension is enabled. FORGET has functions that are called when Blender loads a file and when the
-extension is disabled. WITHDRAW has functions for the latter alone.
+extension is enabled. LOADED has functions that are called then too, and when Blender has loaded,
+linked or appended from a file. FORGET has functions that are called when Blender loads a file and
+when the extension is disabled. WITHDRAW has functions for the latter alone.
 """
 
 from collections.abc import Iterator
@@ -42,6 +43,18 @@ def _forget(*_arguments: object) -> None:
         forget()
 
 
+@persistent
+def _loaded(*_arguments: object) -> None:
+    for loaded in _all("LOADED"):
+        loaded()
+
+
+def _loading_handlers() -> list[list]:
+    """Blender's lists of what is called after files were loaded; 4.2 has none for linking."""
+    names = ("load_post", "blend_import_post")
+    return [getattr(bpy.app.handlers, name) for name in names if hasattr(bpy.app.handlers, name)]
+
+
 def register() -> None:
     """Register all of it, and listen for files being loaded."""
     for cls in _classes():
@@ -50,6 +63,10 @@ def register() -> None:
             owner, name, *override = cls.owner
             setattr(owner, name, bpy.props.PointerProperty(type=cls, override=set(override)))
     bpy.app.handlers.load_pre.append(_forget)
+    for handlers in _loading_handlers():
+        handlers.append(_loaded)
+    if hasattr(bpy.data, "objects"):  # not yet while Blender starts
+        _loaded()
     command_line.register(_all("VERBS"))
     for start in _all("START"):
         start()
@@ -59,6 +76,8 @@ def unregister() -> None:
     """End what still runs, and withdraw all; files keep what they hold."""
     command_line.unregister()
     bpy.app.handlers.load_pre.remove(_forget)
+    for handlers in _loading_handlers():
+        handlers.remove(_loaded)
     for end in (_forget, *_all("WITHDRAW")):
         end()
     for cls in reversed([*_classes()]):

@@ -10,6 +10,7 @@ from . import (
     panel,
     pick_operator,
     verb,
+    versions,
 )
 
 FILES = (
@@ -23,5 +24,6 @@ FILES = (
 )
 VERBS = (verb.Deform,)
 START = (overlay.start,)
+LOADED = (versions.keep_algorithms,)
 FORGET = (live_operator.end, pick_operator.end, overlay.forget)
 WITHDRAW = (overlay.withdraw,)

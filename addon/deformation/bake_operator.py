@@ -3,11 +3,11 @@
 from typing import Any
 
 import bpy
-import spectral_tv
 from bpy.props import IntProperty
 
 from ..job.operator import JobOperator
 from ..job.progress import cursor_progress
+from ..job.steps import Steps
 from ..scene.frames import every
 from ..scene.objects import Refusal
 from . import baking
@@ -40,12 +40,13 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
         with cursor_progress(bpy.context) as progress:
             return baking.prepare(obj, self._frames(), progress)
 
-    def start(self, prepared: Any) -> spectral_tv.Job:
-        _, targets, deformer = prepared
-        return deformer.start_solve_sequence(targets)
+    def start(self, prepared: Any) -> Steps:
+        _, targets, follower = prepared
+        return follower.start_sequence(targets)
 
     def write(self, obj: bpy.types.Object, prepared: Any, result: Any) -> str:
-        return baking.write(obj, self._frames(), prepared[0], result)
+        deformable, _, follower = prepared
+        return baking.write(obj, self._frames(), deformable, follower, result)
 
     def _frames(self) -> list[int]:
         return every(self.frame_start, self.frame_end, self.step)

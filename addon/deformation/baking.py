@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 import bpy
 import numpy as np
-import spectral_tv
 
 from ..scene import frames as time
 from ..scene.animation import as_before, check_animatable, play_in_turn
@@ -16,16 +15,21 @@ from ..scene.whole import whole
 from . import results
 from .constraints import deformation_of, followed_by
 from .deform import Deformable, is_same_metric, metric_of
+from .solvers import Follower, Solved, follow_complaint, follower_of
 
 
 def prepare(
     obj: bpy.types.Object, frames: Sequence[int], progress: Callable[[float], None]
-) -> tuple[Deformable, list[np.ndarray], spectral_tv.Deformer]:
+) -> tuple[Deformable, list[np.ndarray], Follower]:
     """What is read of ``obj``, the targets of every frame, and what solves for them.
 
     ``progress`` takes the fraction of the frames that was read. Raises Refusal or
     spectral_tv.MeshError if it cannot be deformed.
     """
+    settings = deformation_of(obj).settings()
+    reason = follow_complaint(settings.algorithm)  # before frames are read
+    if reason is not None:
+        raise Refusal(reason)
     if obj.data.shape_keys is not None:
         check_animatable(obj.data.shape_keys)
     scene = bpy.context.scene
@@ -41,15 +45,16 @@ def prepare(
             if not is_same_metric(metric_of(obj), metric):
                 note(f"its scale is animated: lengths are those of frame {first}")
             progress(len(targets) / len(frames))
-    deformable.note_turning(targets, deformation_of(obj).algorithm)
-    return deformable, targets, deformable.deformer(obj)
+    deformable.note_turning(obj, targets, settings.algorithm)
+    return deformable, targets, follower_of(obj, deformable.grips, settings)
 
 
 def write(
     obj: bpy.types.Object,
     frames: Sequence[int],
     deformable: Deformable,
-    solutions: Sequence[spectral_tv.Deformation],
+    follower: Follower,
+    solutions: Sequence[Solved],
 ) -> str:
     """Write one shape key per frame, play them in turn, and say what was done.
 
@@ -58,7 +63,7 @@ def write(
     names = [f"{results.NAME} {frame}" for frame in frames]
     former = results.Known.of(obj)
     with whole(obj), as_before(obj):
-        displacements = (deformable.displacement(each) for each in solutions)
+        displacements = (deformable.displacement(each.result) for each in solutions)
         keys = add_displacements(obj, names, displacements)
         play_in_turn(obj, keys, frames)
     renamed = former.renamed
@@ -74,6 +79,7 @@ def write(
         baked.add().take(obj, "KEY", key.name)
     deformation_of(obj).vertex_count = len(obj.data.vertices)
     results.show_baked(obj)
+    follower.note_sequence(frames, solutions)
     scene = bpy.context.scene
     scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)  # the shape of this frame
     return f"{len(keys)} frames baked" if len(keys) > 1 else f"frame {frames[0]} baked"

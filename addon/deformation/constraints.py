@@ -1,5 +1,6 @@
 """What holds and moves an object in a deformation: kept in the file, on the object."""
 
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..options.declaring import Only, choice, number
+from ..options.declaring import Only, choice, number, options_of
 from ..options.properties import choices_of
 from ..scene.fingerprints import Fingerprint
 from ..scene.objects import Refusal
@@ -26,20 +27,21 @@ KINDS = (
     ("OBJECT", "Handle", "The vertices follow an object or a bone", "EMPTY_ARROWS", 1),
     ("KEY", "Shape Key", "The vertices go where a shape key has them", "SHAPEKEY_DATA", 2),
 )
+# With numbers, as files keep those of old.
 ALGORITHMS = (
-    ("CONVEX", "Total Variation", "Rigid pieces; narrow places take all of the stretch"),
-    (
-        "PAPER",
-        "Reweighted",
-        "The paper's Algorithm 1. Slower, and it may end with the stretch in another, wider place, "
-        "or far off where handles turn; for comparison",
-    ),
-    ("HARMONIC", "Harmonic", "Stretches everything a little; for comparison"),
-    ("BIHARMONIC", "Biharmonic", "Stretches everything smoothly; for comparison"),
-    ("ARAP", "As Rigid as Possible", "Bends and turns everything a little"),
-)
+    ("POSE", "Pose", "Rigid pieces that turn, with joints at narrow places: pull a hand, and the "
+     "arm bends at the elbow", "", 5),
+    ("CONVEX", "Total Variation", "Rigid pieces that shift and do not turn; narrow places take all "
+     "of the stretch (the paper's deformation)", "", 0),
+    ("", "For Comparison", ""),
+    ("PAPER", "Reweighted", "The paper's Algorithm 1. Slower, and it may end with the stretch in "
+     "another, wider place, or far off where handles turn; for comparison", "", 1),
+    ("HARMONIC", "Harmonic", "Stretches everything a little; for comparison", "", 2),
+    ("BIHARMONIC", "Biharmonic", "Stretches everything smoothly; for comparison", "", 3),
+    ("ARAP", "As Rigid as Possible", "Bends and turns everything a little; for comparison", "", 4),
+)  # fmt: skip
 # Those by which pieces turn with their handles.
-TURNING = ("ARAP",)
+TURNING = ("POSE", "ARAP")
 # The button that makes constraints of what is clicked on, and what to do with it.
 HOLD_AND_PULL = "Hold & Pull"
 FIRST_STEPS = f"press {HOLD_AND_PULL}, then click what stays and what moves"
@@ -49,7 +51,7 @@ FLAT = 1e-4
 
 def label_of(algorithm: str) -> str:
     """What an algorithm is called."""
-    return next(label for name, label, _ in ALGORITHMS if name == algorithm)
+    return next(label for name, label, *_ in ALGORITHMS if name == algorithm)
 
 
 def _changed(constraint: "SpectralTVConstraint", _context: bpy.types.Context) -> None:
@@ -58,11 +60,15 @@ def _changed(constraint: "SpectralTVConstraint", _context: bpy.types.Context) ->
         deformation = deformation_of(constraint.id_data)
         deformation.last_uid += 1
         constraint.uid = deformation.last_uid
+        # Written down, so that files tell it from one that was never chosen: see `versions`.
+        deformation.algorithm = deformation.algorithm
 
 
 def _followed_changed(constraint: "SpectralTVConstraint", context: bpy.types.Context) -> None:
     _changed(constraint, context)
     constraint.rest = [0.0] * 16
+    if constraint.follows_bone and not constraint.is_property_set("turns"):
+        constraint.turns = True
     with suppress(Refusal):  # told when it is used; what is chosen next may be right
         constraint.set_rest()
 
@@ -94,12 +100,28 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
         name="Bone", description="The bone that the vertices follow, from where it is now",
         update=_followed_changed
     )  # fmt: skip
+    turns: BoolProperty(
+        name="Turn with Handle",
+        description="Pose: the vertices turn and grow as the handle does. If off, they are free to "
+        "turn: the handle moves their middle, and they turn as suits the rest. On at first for "
+        "bones"
+    )  # fmt: skip
     shape_key: StringProperty(
         name="Shape Key", description="The shape key that says where the vertices go"
     )
     rest: FloatVectorProperty(
         name="Rest", size=16, description="The mesh object as its handle sees it at rest"
     )
+
+    @property
+    def follows_bone(self) -> bool:
+        """Whether a bone moves it."""
+        return bool(self.bone) and self.target is not None and self.target.type == "ARMATURE"
+
+    @property
+    def is_free(self) -> bool:
+        """Whether Pose turns its vertices as suits the rest."""
+        return self.kind == "OBJECT" and not self.turns
 
     @property
     def followed(self) -> Followed:
@@ -157,6 +179,9 @@ class SpectralTVBakedKey(Fingerprint, bpy.types.PropertyGroup):
     """A shape key of one frame."""
 
 
+POSING = Only("algorithm", ["POSE"])
+
+
 @dataclass(frozen=True)
 class Settings:
     """How the unconstrained vertices follow."""
@@ -166,8 +191,34 @@ class Settings:
         "Softness",
         "Width of the stretched zone, relative to the object's size. At 0 a narrow place "
         "stretches within a ring of faces", 5, 0, 100, soft_most=30, unit="PERCENTAGE", digits=1,
-        applies=Only("algorithm", ["CONVEX"]), dims=True, place="follow", refused=True
+        applies=Only("algorithm", ["CONVEX"]), place="follow", refused=True
     )  # fmt: skip
+    joint_softness: float = number(
+        "Joint Softness",
+        "How softly joints bend: 3 is soft and wide as of rubber, 0.3 sharp as of a puppet", 1, 0,
+        100, soft_most=10, digits=2, applies=POSING, place="follow", keyword="joint_softness",
+        refused=True
+    )  # fmt: skip
+    stiffness: float = number(
+        "Stiffness",
+        "How reluctantly pieces turn, relative to the object's size: with 0.1 and more they shift "
+        "and stretch where they would turn", 0.03, 0, 100, soft_most=0.3, digits=3, applies=POSING,
+        place="follow", keyword="stiffness", refused=True
+    )  # fmt: skip
+    stillness: float = number(
+        "Stillness",
+        "How strongly all that is not pulled stays where it is: at 0 the body leans after its "
+        "limbs", 0.5, 0, 100, soft_most=2, digits=2, applies=POSING, place="follow",
+        keyword="stillness", refused=True
+    )  # fmt: skip
+
+
+def algorithm_for(options: Collection[str]) -> str | None:
+    """The algorithm that the first of several options is for that is for one alone."""
+    for name, option in options_of(Settings).items():
+        if option.applies and name in options:
+            return option.applies[0].values[0]
+    return None
 
 
 DeformationChoices = choices_of(Settings, "follow")

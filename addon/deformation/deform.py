@@ -5,7 +5,6 @@ from typing import Any
 
 import bpy
 import numpy as np
-import spectral_tv
 
 from ..scene.notes import note
 from ..scene.objects import Refusal, refusal
@@ -13,12 +12,10 @@ from ..scene.places import kept_up
 from ..scene.surface import Surface
 from . import results, turning
 from .additions import note_additions
-from .constraints import FIRST_STEPS, deformation_of, followed_by, label_of, sharing
+from .constraints import FIRST_STEPS, Settings, deformation_of, followed_by, sharing
 from .grips import Grips
+from .solvers import Solver, follow_complaint, solver_of
 
-ONE_AFTER_ANOTHER = "Live and Bake Animation need the algorithm Total Variation"
-# The part of its total variation that the paper's algorithm may waste without a word.
-WASTE = 0.03
 # Of lengths, a change that is not seen.
 SAME_METRIC = 1e-3
 
@@ -45,33 +42,24 @@ class Deformable:
         _note_rest_positions(obj)
         return cls(grips.surface, grips)
 
-    def softness(self, percent: float) -> float:
-        """A percentage of the object's size as a length."""
-        return percent / 100 * float(np.sqrt(self.surface.mesh.area))
-
-    def deformer(self, obj: bpy.types.Object) -> spectral_tv.Deformer:
-        """What deforms the surface again and again, as soft as ``obj`` says.
-
-        Raises Refusal if ``obj`` asks for an algorithm that does not.
-        """
-        if deformation_of(obj).algorithm != "CONVEX":
-            raise Refusal(ONE_AFTER_ANOTHER)
-        softness = self.softness(deformation_of(obj).softness)
-        grips = self.grips
-        return spectral_tv.Deformer(self.surface.mesh, grips.indices, grips.weights, softness)
-
-    def displacement(self, result: spectral_tv.Deformation) -> np.ndarray:
+    def displacement(self, result: Any) -> np.ndarray:
         """What a result moves every vertex of the object by, in object space, (V, 3)."""
         moved = result.vertices - self.surface.mesh.vertices
         return self.surface.to_object(moved[np.newaxis])[0]
 
-    def note_turning(self, targets: list[np.ndarray], algorithm: str) -> None:
-        """Note if handles turn on the way to one of the ``targets``, and pieces do not."""
-        own = self.grips.is_own  # the other half turns the other way
+    def note_turning(
+        self, obj: bpy.types.Object, targets: list[np.ndarray], algorithm: str
+    ) -> None:
+        """Note if handles turn, or grow, on the way to ``targets``, and pieces do not."""
+        counts = turning.counting(obj, algorithm)
+        own = self.grips.is_own & np.isin(self.grips.owners, counts)  # others turn the other way
         owners, rest = self.grips.owners[own], self.grips.rest[own]
         angle = max(turning.of_points(owners, rest, each[own]) for each in targets)
-        text = turning.told(angle, algorithm)
-        if text is not None:
+        texts = [turning.told(angle, algorithm)]
+        if algorithm == "POSE":
+            factor = max(turning.growth_of_points(owners, rest, each[own]) for each in targets)
+            texts.append(turning.told_growth(factor))
+        for text in filter(None, texts):
             note(text)
 
 
@@ -109,50 +97,25 @@ def deform_refusal(obj: bpy.types.Object | None) -> str | None:
 def follow_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why ``obj`` cannot be deformed again and again, as :func:`deform_refusal`."""
     reason = deform_refusal(obj)
-    if reason is None and deformation_of(obj).algorithm != "CONVEX":
-        reason = ONE_AFTER_ANOTHER
-    return reason
+    return reason or follow_complaint(deformation_of(obj).algorithm)
 
 
-def prepare(
-    obj: bpy.types.Object, algorithm: str, softness: float
-) -> tuple[Deformable, dict[str, Any]]:
-    """What is read of ``obj``, and the keyword arguments of spectral_tv.deform.
+def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Deformable, np.ndarray, Solver]:
+    """What is read of ``obj``, the targets of its grips, and what solves for them.
 
-    ``softness`` is in percent. Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
+    Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
     """
     with kept_up(followed_by(obj)):
         deformable = Deformable.read(obj)
         targets = deformable.grips.targets(obj)
-    deformable.note_turning([targets], algorithm)
-    return deformable, {
-        "indices": deformable.grips.indices,
-        "targets": targets,
-        "weights": deformable.grips.weights,
-        "softness": deformable.softness(softness) if algorithm == "CONVEX" else 0.0,
-        "algorithm": algorithm.lower(),
-    }
+    deformable.note_turning(obj, [targets], settings.algorithm)
+    return deformable, targets, solver_of(obj, deformable.grips, settings)
 
 
 def write(obj: bpy.types.Object, displacement: np.ndarray) -> None:
     """Write a displacement (V, 3) as the shape key of the deformation, and have it be seen."""
     results.write(obj, displacement)
     results.show(obj)
-
-
-def message(result: spectral_tv.Deformation, algorithm: str) -> str:
-    """What a result says about itself, for the user."""
-    text = "deformed"
-    if algorithm == "PAPER" and result.gap > WASTE:
-        note(
-            f"up to {result.gap:.0%} of the total variation could be spared: {label_of(algorithm)} "
-            f"ended away from the optimum, which {label_of('CONVEX')} finds"
-        )
-    elif algorithm in ("CONVEX", "PAPER"):
-        text += f" to within {max(result.gap, 1e-4):.2%} of the optimum"
-    if len(result.unconstrained):
-        text += f"; {len(result.unconstrained)} vertices of parts without a constraint came along"
-    return text
 
 
 def _note_rest_positions(obj: bpy.types.Object) -> None:

@@ -1,16 +1,16 @@
 """The operator that deforms the active mesh by its constraints."""
 
-from typing import Any
-
 import bpy
-import spectral_tv
+import numpy as np
 
 from ..job.operator import JobOperator
-from .constraints import DeformationChoices, deformation_of
-from .deform import Deformable, deform_refusal, message, prepare, write
+from ..job.steps import Steps
+from .constraints import DeformationChoices, algorithm_for, deformation_of
+from .deform import Deformable, deform_refusal, prepare, write
+from .solvers import Solved, Solver
 
-# What was read of the object, and the arguments of spectral_tv.deform.
-Prepared = tuple[Deformable, dict[str, Any]]
+# What was read of the object, the targets of its grips, and what solves for them.
+Prepared = tuple[Deformable, np.ndarray, Solver]
 
 
 class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator):
@@ -26,18 +26,20 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator)
         return deform_refusal(context.active_object)
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        for name in DeformationChoices.__annotations__:
-            if not self.properties.is_property_set(name):
+        names = DeformationChoices.__annotations__
+        given = [name for name in names if self.properties.is_property_set(name)]
+        for name in names:
+            if name not in given:
                 setattr(self, name, getattr(deformation_of(obj), name))
-        return prepare(obj, self.algorithm, self.softness)
+        if "algorithm" not in given:  # an option of one algorithm asks for it
+            self.algorithm = algorithm_for(given) or self.algorithm
+        return prepare(obj, self.settings())
 
-    def start(self, prepared: Prepared) -> spectral_tv.Job:
-        deformable, arguments = prepared
-        return spectral_tv.start_deform(deformable.surface.mesh, **arguments)
+    def start(self, prepared: Prepared) -> Steps[Solved]:
+        _, targets, solver = prepared
+        return solver.start(targets)
 
-    def write(
-        self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Deformation
-    ) -> str:
-        deformable, _ = prepared
-        write(obj, deformable.displacement(result))
-        return message(result, self.algorithm)
+    def write(self, obj: bpy.types.Object, prepared: Prepared, solved: Solved) -> str:
+        deformable, _, solver = prepared
+        write(obj, deformable.displacement(solved.result))
+        return solver.message(solved)

@@ -5,6 +5,7 @@ which is held and moved likewise.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
 import numpy as np
@@ -75,6 +76,46 @@ class Grips:
         targets = self.rest + means(which, turned, len(self.indices))
         self._check_overlaps(obj, targets)
         return targets
+
+    def bodies(self, obj: bpy.types.Object) -> np.ndarray:
+        """Numbers of the bodies that turn freely, (K,); −1 for vertices that go to their targets.
+
+        The copies of a mirrored object have a body each, or one where they meet. Raises Refusal if
+        a vertex is in the free bodies of two constraints.
+        """
+        constraints = identified(obj)
+        free = [owner for owner, each in constraints.items() if each.is_free]
+        is_free = np.isin(self.owners, free)
+        vertices, counts = np.unique(self.indices[is_free], return_counts=True)
+        if (counts > 1).any():
+            shared = vertices[counts > 1]
+            owners = self.owners[is_free & (self.indices == shared[0])]
+            one, two = (constraints[owner].vertex_group for owner in owners[:2])
+            raise Refusal(
+                f"{len(shared)} vertices are in both {one!r} and {two!r}, which are free to turn: "
+                "have one of them turn with its handle, or leave them out of one"
+            )
+        return np.where(is_free, self._parts, -1)
+
+    @cached_property
+    def _parts(self) -> np.ndarray:
+        """Numbers of the parts, (K,): all that a constraint holds of copies that meet."""
+        _, copies, which = self.entries.T
+        first = np.full(len(self.indices), len(self.surface.copies.places))
+        np.minimum.at(first, which, copies)
+        numbers = np.full(len(self.indices), -1)
+        count = 0
+        for owner in np.unique(self.owners):
+            mine = self.owners[which] == owner
+            root = {copy: copy for copy in np.unique(copies[mine]).tolist()}
+            met = np.unique(np.column_stack([first[which], copies])[mine], axis=0)
+            for one, other in met.tolist():
+                low, high = sorted((root[one], root[other]))
+                root = {copy: low if each == high else each for copy, each in root.items()}
+            for copy, part in root.items():
+                numbers[(self.owners == owner) & (first == copy)] = count + part
+            count += len(self.surface.copies.places)
+        return numbers
 
     def _check_overlaps(self, obj: bpy.types.Object, targets: np.ndarray) -> None:
         exact = np.flatnonzero(self.weights == 1)

@@ -1,11 +1,14 @@
 """A deformation that follows its handles while they are dragged."""
 
 import time
+from typing import Any
 
 import bpy
 import numpy as np
 import spectral_tv
 
+from ..job.steps import Steps
+from ..options.declaring import in_force
 from ..scene.contents import digest
 from ..scene.coordinates import coordinates
 from ..scene.modifiers import symmetries
@@ -14,13 +17,13 @@ from ..scene.places import is_kept_up
 from ..scene.surface import Reading
 from . import results
 from .constraints import deformation_of, followed_by, identified
+from .contact import Contact
 from .deform import Deformable, follow_refusal, is_same_metric, metric_of
 from .handles import group_weights
+from .solvers import follower_of
 
-# A coarse answer this far from the optimum is drawn once more before the exact one is worked out,
-# as that takes longer.
-COARSE = 0.05
-MOST_COARSE = 20
+# So often a rough answer is drawn before the exact one is worked out.
+MOST_ROUGH = 20
 # Seconds between two looks at weights and vertices, and the least in terms of what a look takes.
 LOOK = 0.25
 LOOK_SHARE = 20
@@ -37,6 +40,7 @@ class LiveDeformation:
         self._name = obj.name
         self._counts = _counts(obj)
         self._job: spectral_tv.Job | None = None
+        self._check: Steps[Contact] | None = None
         self._is_shown = False
         self._read(obj)
 
@@ -56,6 +60,7 @@ class LiveDeformation:
         try:
             if self._is_outdated(obj):
                 self._read(obj)
+            self._take_settings(obj)
             targets = self._current(obj)
         except (Refusal, spectral_tv.MeshError) as error:
             self.stop()
@@ -66,29 +71,42 @@ class LiveDeformation:
 
     def settle(self) -> None:
         """Work the exact answer out and wait for it; raises Refusal if something is wrong."""
-        while not self.is_settled:
+        while not self.is_settled or self._check is not None:
             self.update()
             if self.problem:
                 raise Refusal(self.problem)
 
     def stop(self) -> None:
         """Stop what runs in the background."""
-        if self._job is not None:
-            self._job.cancel()
-        self._job, self.is_settled = None, False
+        for job in (self._job, self._check):
+            if job is not None:
+                job.cancel()
+        self._job, self._check, self.is_settled = None, None, False
 
     def _read(self, obj: bpy.types.Object) -> None:
         """Read all of the object anew; what was read stays unknown if it cannot be used."""
         self.stop()
         self._targets: np.ndarray | None = None
-        self._coarse = 0
+        self._rough = 0
+        self._settings = deformation_of(obj).settings()
         self._choices, self._metric, self._state = _choices(obj), metric_of(obj), self._look(obj)
         self._deformable: Deformable | None = None
         self._check_kept_up(obj)
         deformable = Deformable.read(obj)
         deformable.grips.targets(obj)
-        self._deformer = deformable.deformer(obj)
+        self._follower = follower_of(obj, deformable.grips, self._settings)
         self._deformable = deformable
+
+    def _take_settings(self, obj: bpy.types.Object) -> None:
+        """Go on with what the user chose; read anew where that is needed."""
+        settings = deformation_of(obj).settings()
+        if self._deformable is None or in_force(settings) == in_force(self._settings):
+            return
+        self.stop()
+        if settings.algorithm == self._settings.algorithm and self._follower.take(settings):
+            self._settings, self._targets = settings, None
+        else:
+            self._read(obj)
 
     def _is_outdated(self, obj: bpy.types.Object) -> bool:
         """Whether what was read is no longer so; looks at weights and vertices now and then."""
@@ -123,28 +141,37 @@ class LiveDeformation:
     def _follow(self, obj: bpy.types.Object, targets: np.ndarray) -> bool:
         if self._targets is None or not np.array_equal(targets, self._targets):
             self.stop()
-            self._targets, self._coarse = targets, 0
+            self._targets, self._rough = targets, 0
             return self._drag(obj)
         if self.is_settled:
+            self._look_at_check()
             return False
-        if self._coarse:
+        if self._rough:
             return self._drag(obj)
         if self._job is None:
-            self._job = self._deformer.start_solve(targets)
+            self._job = self._follower.start_settling(targets)
         if not self._job.done:
             return False
-        self._write(obj, self._job.result())
+        result = self._job.result()
+        self._write(obj, result)
         self._job, self.is_settled = None, True
+        self._check = self._follower.start_check(result)
         return True
+
+    def _look_at_check(self) -> None:
+        """Note what is wrong with what settled, once that is known."""
+        if self._check is not None and self._check.done:
+            check, self._check = self._check, None
+            check.result().note()
 
     def _drag(self, obj: bpy.types.Object) -> bool:
-        result = self._deformer.drag(self._targets)
+        result = self._follower.drag(self._targets)
         self._write(obj, result)
-        is_coarse = result.gap > COARSE and self._coarse < MOST_COARSE
-        self._coarse = self._coarse + 1 if is_coarse else 0
+        is_rough = self._follower.is_rough(result) and self._rough < MOST_ROUGH
+        self._rough = self._rough + 1 if is_rough else 0
         return True
 
-    def _write(self, obj: bpy.types.Object, result: spectral_tv.Deformation) -> None:
+    def _write(self, obj: bpy.types.Object, result: Any) -> None:
         results.write(obj, self._deformable.displacement(result))
         if not self._is_shown:  # once: the user may mute it to compare
             results.show(obj)
@@ -157,13 +184,11 @@ def _counts(obj: bpy.types.Object) -> tuple[int, int]:
 
 def _choices(obj: bpy.types.Object) -> tuple:
     """What the user chose of ``obj``, apart from what is read for every shape anyway."""
-    deformation = deformation_of(obj)
+    is_posed, found = deformation_of(obj).algorithm == "POSE", identified(obj).items()
     return (
         obj.data.session_uid,
-        deformation.softness,
-        deformation.algorithm,
         Reading.of_scene(),
-        *((uid, each.vertex_group) for uid, each in identified(obj).items()),
+        *((uid, each.vertex_group, is_posed and each.is_free) for uid, each in found),
     )
 
 

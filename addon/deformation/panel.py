@@ -114,7 +114,7 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
     def _draw_turning(
         layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object
     ) -> None:
-        """Draw that pieces do not turn with their handles, and a button for what turns them."""
+        """Draw that pieces do not turn with their handles, and buttons for what turns them."""
         deformation = constraints.deformation_of(obj)
         text = turning.told(turning.of_handles(obj), deformation.algorithm)
         if text is None:
@@ -122,6 +122,12 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
         say(layout, context, text[0].upper() + text[1:], "INFO")
         column = layout.column()
         column.use_property_split = False
+        if deformation.algorithm == "POSE":
+            for constraint in deformation.constraints:
+                if constraint.is_free and turning.of_handle(constraint) >= turning.NOTICED:
+                    label = f"Turn {constraint.vertex_group} with Handle"
+                    column.prop(constraint, "turns", text=label, toggle=True, translate=False)
+            return
         for algorithm in constraints.TURNING:
             label = f"Take {constraints.label_of(algorithm)}"
             column.prop_enum(deformation, "algorithm", algorithm, text=label)
@@ -150,6 +156,8 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
             target = constraint.target
             if target is not None and target.type == "ARMATURE":
                 layout.prop_search(constraint, "bone", target.pose, "bones")
+            if constraints.deformation_of(obj).algorithm == "POSE":
+                layout.prop(constraint, "turns")
             layout.operator(SPECTRAL_TV_OT_constraint_rest.bl_idname)
         elif constraint.kind == "KEY" and obj.data.shape_keys is not None:
             layout.prop_search(constraint, "shape_key", obj.data.shape_keys, "key_blocks")

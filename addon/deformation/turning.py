@@ -1,4 +1,8 @@
-"""How far handles turn: total variation shifts the pieces at a handle, and does not turn them."""
+"""How far handles turn where that has no effect.
+
+Total variation shifts the pieces at a handle, and does not turn them. Pose turns them with their
+handle, unless they are free to turn.
+"""
 
 import math
 
@@ -6,10 +10,25 @@ import bpy
 import numpy as np
 
 from ..scene.objects import Refusal
-from .constraints import ALGORITHMS, TURNING, deformation_of, label_of
+from .constraints import (
+    ALGORITHMS,
+    TURNING,
+    SpectralTVConstraint,
+    deformation_of,
+    identified,
+    label_of,
+)
 
-# Degrees below which nobody sees it.
-NOTICED = 5.0
+# Degrees, and the part of a size, below which nobody sees it.
+NOTICED, NOTICED_GROWTH = 5.0, 0.03
+
+
+def counting(obj: bpy.types.Object, algorithm: str) -> list[int]:
+    """Identifiers of the constraints of ``obj`` whose turns have no effect."""
+    found = identified(obj).items()
+    if algorithm == "POSE":
+        return [owner for owner, constraint in found if constraint.is_free]
+    return [] if algorithm in TURNING else [owner for owner, _ in found]
 
 
 def of_handles(obj: bpy.types.Object) -> float:
@@ -17,14 +36,19 @@ def of_handles(obj: bpy.types.Object) -> float:
 
     It is for drawing: nothing is evaluated, and what cannot be told counts as 0.
     """
-    angles = [0.0]
-    for constraint in deformation_of(obj).constraints:
-        if constraint.kind == "OBJECT":
-            try:
-                angles.append(_angle(constraint.motion(None)[:3, :3]))
-            except Refusal:
-                continue
-    return max(angles)
+    constraints = identified(obj)
+    counts = counting(obj, deformation_of(obj).algorithm)
+    return max([0.0, *(of_handle(constraints[owner]) for owner in counts)])
+
+
+def of_handle(constraint: SpectralTVConstraint) -> float:
+    """The same for one handle."""
+    if constraint.kind != "OBJECT":
+        return 0.0
+    try:
+        return _angle(constraint.motion(None)[:3, :3])
+    except Refusal:
+        return 0.0
 
 
 def of_points(owners: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
@@ -40,14 +64,44 @@ def of_points(owners: np.ndarray, before: np.ndarray, after: np.ndarray) -> floa
     return max(angles)
 
 
+def growth_of_points(owners: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
+    """The largest factor by which one of several sets of points grew, or shrank; as `of_points`."""
+    factors = [1.0]
+    for owner in np.unique(owners):
+        one, other = (
+            np.linalg.norm(points - points.mean(axis=0))
+            for points in (before[owners == owner], after[owners == owner])
+        )
+        if one > 0 and np.isfinite(other):
+            factors.append(max(other / one, one / max(other, 1e-9 * one)))
+    return max(factors)
+
+
+def told_growth(factor: float) -> str | None:
+    """Say that pieces that are free to turn do not grow with their handles; None if none grows."""
+    if factor < 1 + NOTICED_GROWTH:
+        return None
+    return (
+        f"handles are scaled by up to {factor:.3g}, but what they move is free to turn, and keeps "
+        "its size: Turn with Handle has it grow with them"
+    )
+
+
 def told(angle: float, algorithm: str) -> str | None:
     """Say that pieces do not turn as their handles do; None where they do, or nothing turns."""
-    if angle < NOTICED or algorithm in TURNING:
+    if angle < NOTICED:
+        return None
+    if algorithm == "POSE":
+        return (
+            f"handles are turned by up to {angle:.0f}°, but what they move is free to turn: "
+            "Turn with Handle has it turn with them"
+        )
+    if algorithm in TURNING:
         return None
     labels = " and ".join(label_of(each) for each, *_ in ALGORITHMS if each in TURNING)
     return (
         f"handles are turned by up to {angle:.0f}°: {label_of(algorithm)} moves the pieces at them "
-        f"without turning them, {labels} turns them"
+        f"without turning them, {labels} turn them"
     )
 
 

@@ -14,16 +14,18 @@ from ..command_line.progress import progress, say
 from ..command_line.verb import Verb
 from ..options.arguments import add_arguments as add_options
 from ..options.arguments import complaint
+from ..options.declaring import options_of
 from ..scene.animation import travel
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal, refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching
 from . import baking, constraints
-from .constraints import Settings, deformation_of
-from .deform import message, prepare, write
+from .constraints import Settings, algorithm_for, deformation_of
+from .deform import prepare, write
 from .empties import constrain
 from .regions import Region, group_of
+from .solvers import follow_complaint
 
 
 class Deform(Verb):
@@ -35,7 +37,9 @@ class Deform(Verb):
     summary = "move parts of meshes and have the others follow in rigid pieces"
     result = "deformed"
     description = """\
-Move parts of the meshes of files, hold others, and have the rest follow in rigid pieces.
+Move parts of the meshes of files, hold others, and have the rest follow in rigid pieces. They turn,
+with joints at narrow places; with --algorithm convex they shift only. An option that is for one
+algorithm alone asks for it.
 
 WHERE is a vertex group by its name, or a region of the object's bounding box along an axis of
 Blender's world (Z is up) such as 'z<10%' or 'x>90%'. Without --pin and --move the objects that
@@ -48,6 +52,7 @@ each frame."""
     examples = """\
   blender --command spectral_tv deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
   blender --command spectral_tv deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10
+  blender --command spectral_tv deform man.blend -o waving.blend --pin Trunk --move 'Hand:0,0,0.6'
   blender --command spectral_tv deform rigged.blend -o baked.glb --frames 1-40:2"""
 
     @classmethod
@@ -73,6 +78,12 @@ each frame."""
             help="move this part by an offset in the world; repeatable. With --pin in place of the "
             "constraints in the file",
         )
+        add(
+            "--unturned",
+            action="store_true",
+            help="what --move moves keeps the way it faces; with --algorithm pose. Otherwise it is "
+            "free to turn",
+        )
         add_options(parser, Settings, of_object=True)
         add(
             "--frames",
@@ -91,9 +102,17 @@ each frame."""
             return reason
         if choices.pins and not choices.moves:
             return "--pin alone moves nothing; add --move"
-        if choices.frames is not None and self.asked.algorithm != "CONVEX":
-            return "--frames goes with --algorithm convex"
-        return complaint(choices, Settings, self.asked)
+        if choices.unturned and not choices.moves:
+            return "--unturned goes with --move"
+        if choices.algorithm is None:
+            given = [name for name in options_of(Settings) if getattr(choices, name) is not None]
+            implied = algorithm_for(given)
+            choices.algorithm = None if implied is None else implied.lower()
+        reason = complaint(choices, Settings, self.asked)
+        if reason is None and choices.frames is not None and choices.algorithm is not None:
+            is_still = follow_complaint(self.asked.algorithm) is not None
+            reason = "--frames goes with --algorithm pose or convex" if is_still else None
+        return reason
 
     def choose(self) -> list[bpy.types.Object]:
         """All meshes, or those with constraints if none are given."""
@@ -125,10 +144,9 @@ each frame."""
         if obj.data.users > 1:
             note(f"{obj.data.users} objects share its mesh: all are deformed alike")
         deformation = deformation_of(obj)
-        if choices.algorithm is not None:
-            deformation.algorithm = choices.algorithm.upper()
-        if choices.softness is not None:
-            deformation.softness = choices.softness
+        for name in options_of(Settings):
+            if getattr(choices, name) is not None:
+                setattr(deformation, name, getattr(self.asked, name))
         empties = self._constrain(obj, moves) if moves else []
         done = _deform(obj, label) if choices.frames is None else self._bake(obj, label)
         say(f"{label}: {done}")
@@ -145,6 +163,7 @@ each frame."""
             if where not in here:
                 continue
             constraint = constrain(obj, group_of(obj, where), "OBJECT")
+            constraint.turns = self.choices.unturned
             empty = constraint.target
             rest = empty.matrix_world.copy()
             empty.matrix_world = Matrix.Translation(offset) @ rest
@@ -199,19 +218,18 @@ each frame."""
         first = scene.frame_start
         if first > frames[0] and is_played:  # Blender has no such start
             note(f"the scene starts at frame {first}: no export goes back to {frames[0]}")
-        deformable, targets, deformer = baking.prepare(obj, frames, lambda _fraction: None)
+        deformable, targets, follower = baking.prepare(obj, frames, lambda _fraction: None)
         with progress(label) as show:
-            results = deformer.solve_sequence(targets, progress=show)
-        return baking.write(obj, frames, deformable, results)
+            solutions = follower.start_sequence(targets).result(show)
+        return baking.write(obj, frames, deformable, follower, solutions)
 
 
 def _deform(obj: bpy.types.Object, label: str) -> str:
-    deformation = deformation_of(obj)
-    deformable, arguments = prepare(obj, deformation.algorithm, deformation.softness)
+    deformable, targets, solver = prepare(obj, deformation_of(obj).settings())
     with progress(label) as show:
-        result = spectral_tv.deform(deformable.surface.mesh, **arguments, progress=show)
-    write(obj, deformable.displacement(result))
-    return message(result, deformation.algorithm)
+        solved = solver.start(targets).result(show)
+    write(obj, deformable.displacement(solved.result))
+    return solver.message(solved)
 
 
 def _move(text: str) -> tuple[str, tuple[float, ...]]:

@@ -11,6 +11,7 @@ from ..scene.contents import digest, topology_digest
 from ..scene.coordinates import basis_coordinates
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from . import faults
+from .steps import Steps
 
 T = TypeVar("T")
 
@@ -84,11 +85,15 @@ class Chain:
         return self._job.result()
 
 
+# What may run.
+Work = spectral_tv.Job | Chain | Steps
+
+
 @dataclass(frozen=True, eq=False)
 class Running:
     """A job under way, and the name and state of what it is of from when it was started."""
 
-    job: spectral_tv.Job | Chain
+    job: Work
     name: str
     state: str
     message: str
@@ -97,7 +102,7 @@ class Running:
 _running: Running | None = None
 
 
-def start(job: spectral_tv.Job | Chain, name: str, state: str, message: str) -> Running:
+def start(job: Work, name: str, state: str, message: str) -> Running:
     """Take a job over; it is cancelled when Blender loads a file or disables the extension."""
     global _running  # noqa: PLW0603 - it lives as long as the module
     _running = Running(job, name, state, message)

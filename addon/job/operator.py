@@ -14,7 +14,7 @@ from bpy.props import FloatProperty
 from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
 from . import faults, jobs, timers
-from .jobs import Chain, state_of
+from .jobs import Work, state_of
 from .progress import cursor_progress, redraw_sidebars
 
 # Seconds between two looks at the job; Esc is an event of its own and does not wait for them.
@@ -97,7 +97,7 @@ class JobOperator(Refusing):
         """Read of the subject what the work needs; raises Refusal or spectral_tv.MeshError."""
         raise NotImplementedError
 
-    def start(self, prepared: Any) -> spectral_tv.Job | Chain:
+    def start(self, prepared: Any) -> Work:
         """Start the work in a thread."""
         raise NotImplementedError
 

@@ -53,11 +53,12 @@ def members(obj, name: str) -> np.ndarray:
     return np.array([v.index for v in obj.data.vertices if any(g.group == index for g in v.groups)])
 
 
-def dumbbell_object() -> bpy.types.Object:
-    """A dumbbell whose lower ball is pinned and whose upper ball's top follows an empty."""
+def dumbbell_object(algorithm: str = "CONVEX") -> bpy.types.Object:
+    """A dumbbell with vertex groups at its ends, deformed by total variation unless said."""
     vertices, faces = dumbbell(n_around=24, n_along=60)
     obj = object_of("Dumbbell", vertices, faces)
     obj.select_set(True)
+    obj.spectral_tv.algorithm = algorithm
     group(obj, "Feet", np.flatnonzero(vertices[:, 2] < -0.9))
     group(obj, "Head", np.flatnonzero(vertices[:, 2] > 1.8))
     return obj

@@ -212,10 +212,10 @@ def test_a_baking_that_fails_leaves_nothing_behind(held, monkeypatch, before, er
     monkeypatch.setattr(animation, "insert_keyframe", fail)
     baking = import_module(f"{MODULE}.deformation.baking")
     frames = [1, 5, 9]
-    deformable, targets, deformer = baking.prepare(held, frames, lambda _fraction: None)
-    solved = deformer.solve_sequence(targets)
+    deformable, targets, follower = baking.prepare(held, frames, lambda _fraction: None)
+    solved = follower.start_sequence(targets).result()
     with pytest.raises(type(error)):
-        baking.write(held, frames, deformable, solved)
+        baking.write(held, frames, deformable, follower, solved)
     assert contents() == found
     assert set(bpy.data.actions) == actions
     assert (held.data.shape_keys is None) == (before == "none")

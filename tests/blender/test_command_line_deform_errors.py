@@ -59,7 +59,17 @@ def test_what_cannot_be_done_is_told_in_one_line(tmp_path: Path, capfd, choices,
         (["IN", "-o", "x.ply", "--algorithm", "magic"], "invalid choice"),
         (["IN", "-o", "x.ply", "--softness", "101"], "not a number from 0 to 100"),
         (["IN", "-o", "x.ply", "--softness", "5", "--algorithm", "arap"], "--softness goes with"),
-        (["IN", "-o", "x.ply", "--frames", "1-5", "--algorithm", "arap"], "--frames goes with"),
+        (
+            ["IN", "-o", "x.ply", "--stillness", "5", "--algorithm", "convex"],
+            "--joint-softness and --stiffness and --stillness go with --algorithm pose",
+        ),
+        (["IN", "-o", "x.ply", "--softness", "5", "--stiffness", "1"], "--stillness go with"),
+        (["IN", "-o", "x.ply", "--joint-softness", "101"], "not a number from 0 to 100"),
+        (["IN", "-o", "x.ply", "--unturned"], "--unturned goes with --move"),
+        (
+            ["IN", "-o", "x.ply", "--frames", "1-5", "--algorithm", "arap"],
+            "--frames goes with --algorithm pose or convex",
+        ),
         (["IN", "-o", "x.ply", "--frames", "5"], "is not START-END"),
         (["IN", "-o", "x.ply", "--frames", "1-5:0"], "is not START-END"),
         (["IN", "-o", "x.ply", "--frames", "5-1"], "frame 1 comes before frame 5"),
@@ -89,13 +99,23 @@ def test_several_inputs_go_on_after_a_failure(tmp_path: Path, capfd):
         line for line in lines if line.startswith(f"{good}: good: ") and line.endswith(" %")
     ]
     assert percents[-1].endswith(": 100 %")
-    assert any("of the optimum" in line for line in lines)
+    assert any("posed, settled to within" in line for line in lines)
 
 
 def test_help(capfd):
     assert run(["deform", "--help"]) == 0
     text = capfd.readouterr().out
-    for part in ("--pin", "--move", "--frames", "--softness", "'z<10%'", "examples:", "exit codes"):
+    for part in (
+        "--pin",
+        "--move",
+        "--unturned",
+        "--frames",
+        "--softness",
+        "--stillness",
+        "'z<10%'",
+        "examples:",
+        "exit codes",
+    ):
         assert part in text
 
 

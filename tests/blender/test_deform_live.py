@@ -145,7 +145,7 @@ def test_another_algorithm_ends_it_and_is_told(held):
     live.update()
     held.spectral_tv.algorithm = "ARAP"
     with pytest.raises(
-        refusal(), match="Live and Bake Animation need the algorithm Total Variation"
+        refusal(), match="Live and Bake Animation need the algorithm Pose or Total Variation"
     ):
         live.update()
 

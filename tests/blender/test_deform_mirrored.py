@@ -14,6 +14,7 @@ from shapes import dumbbell
 
 def mesh_object(vertices, faces) -> bpy.types.Object:
     obj = object_of("Mesh", vertices, faces)
+    obj.spectral_tv.algorithm = "CONVEX"
     return obj
 
 

@@ -71,12 +71,12 @@ def test_a_live_deformation_ends_when_the_mesh_changes(held):
         live.update()
 
 
-def test_what_follows_handles_is_by_total_variation_alone(held):
+def test_what_is_there_for_comparison_does_not_follow_handles(held):
     refusal = import_module(f"{MODULE}.scene.objects").Refusal
     held.spectral_tv.algorithm = "HARMONIC"
-    with pytest.raises(RuntimeError, match="need the algorithm Total Variation"):
+    with pytest.raises(RuntimeError, match="need the algorithm Pose or Total Variation"):
         bpy.ops.spectral_tv.bake_deformation(frame_end=2)
-    with pytest.raises(refusal, match="need the algorithm Total Variation"):
+    with pytest.raises(refusal, match="need the algorithm Pose or Total Variation"):
         import_module(f"{MODULE}.deformation.live").LiveDeformation(held)
     assert held.data.shape_keys is None
     bpy.ops.spectral_tv.deform()

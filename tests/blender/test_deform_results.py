@@ -299,6 +299,7 @@ def twins() -> tuple[bpy.types.Object, bpy.types.Object]:
     one = dumbbell_object()
     other = bpy.data.objects.new("Twin", one.data)
     bpy.context.scene.collection.objects.link(other)
+    other.spectral_tv.algorithm = one.spectral_tv.algorithm
     for obj in (one, other):
         constrain(obj, "Feet", "PIN")
         constrain(obj, "Head", "OBJECT", target=empty((0, 0, 2)))

@@ -42,6 +42,11 @@ def held() -> bpy.types.Object:
     return obj
 
 
+def posed() -> None:
+    """The same, with pieces that turn."""
+    held().spectral_tv.algorithm = "POSE"
+
+
 def plotted() -> None:
     ball("Ball")
     bpy.ops.spectral_tv.plot_values(kind="GROUP", source="Cap", steps=4)
@@ -125,7 +130,15 @@ def run(name: str, arguments: dict) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_one_step_takes_all_of_it_back(name):
-    prepare, arguments = CASES[name]
+    one_step_takes_all_back(name, *CASES[name])
+
+
+@pytest.mark.parametrize("name", ["deform", "bake_deformation"])
+def test_one_step_takes_poses_back(name):
+    one_step_takes_all_back(name, posed, CASES[name][1])
+
+
+def one_step_takes_all_back(name: str, prepare, arguments: dict) -> None:
     prepare()
     bpy.ops.ed.undo_push(message="before")
     before = contents()

@@ -241,10 +241,8 @@ def held_vertices() -> int:
 
 
 def top(obj: bpy.types.Object) -> float:
-    """How far the vertex nearest to the crown has moved along X."""
-    basis = obj.data.shape_keys.key_blocks[0].data
-    nearest = max(range(len(basis)), key=lambda index: basis[index].co.z)
-    return leaning(obj, nearest)
+    """How far the middle of what is pulled has moved along X: it is free to turn about it."""
+    return leaning(obj, obj.spectral_tv.constraints[1].vertex_group)
 
 
 def seen(point: Sequence[float]) -> tuple[int, int]:

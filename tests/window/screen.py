@@ -115,9 +115,26 @@ def find(text: str, column: float = 0.5) -> Steps[tuple[int, int]]:
             if text in _under_mouse(sidebar):
                 yield 0.3
                 if text in _under_mouse(sidebar):
-                    return x, y
+                    return x, (yield from _middle(text, x, y))
             seen.add(_under_mouse(sidebar))
     raise AssertionError(f"the sidebar has no {text}, but {sorted(seen)}")
+
+
+def _middle(text: str, x: int, y: int) -> Steps[int]:
+    """The height of the middle of what was found somewhere within: places are told from there."""
+    ends = []
+    for step in (2, -2):
+        end = y
+        for end in range(y, y + 20 * step, step):
+            xdotool("mousemove", x, _window().height - end)
+            yield 0.03
+            if text not in _under_mouse(region("UI")):
+                break
+        ends.append(end)
+    middle = sum(ends) // 2
+    xdotool("mousemove", x, _window().height - middle)
+    yield 0.1
+    return middle
 
 
 def in_view(window: bpy.types.Window | None = None) -> AbstractContextManager:

@@ -1,0 +1,118 @@
+"""Total variation of rigid motions: pieces that turn, with joints at narrow places."""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from ...job.steps import Steps
+from ...options.declaring import keywords
+from ...scene.notes import note
+from ..constraints import Settings
+from ..contact import Contact, Rest
+from ..grips import Grips
+from .solver import Follower, Solved, came_along
+
+# A step that moves a vertex by more than this, relative to the size, is followed by another one
+# before the exact pose is worked out.
+ROUGH = 2e-3
+# What a settled pose has still to gain, relative to its energy, and what is worth a word.
+TOLERANCE, UNSETTLED = 1e-4, 1e-3
+# The part of the work that is solving; looking at the result is the rest.
+SOLVING = 0.9
+
+
+class Posing(Follower):
+    """The energy of rigid motions, by spectral_tv.Poser."""
+
+    def __init__(self, obj: bpy.types.Object, grips: Grips, settings: Settings) -> None:
+        """Take the same; raises Refusal if two free bodies share a vertex."""
+        super().__init__(obj, grips, settings)
+        self._bodies = grips.bodies(obj)
+        self._rest = Rest(self.mesh)
+        self._size = float(np.linalg.norm(np.ptp(self.mesh.vertices, axis=0)))
+
+    def start(self, targets: np.ndarray) -> Steps[Solved]:
+        def steps():
+            pose = yield (
+                spectral_tv.start_pose(
+                    self.mesh,
+                    self.grips.indices,
+                    targets,
+                    self.grips.weights,
+                    self._bodies,
+                    **keywords(self.settings),
+                ),
+                SOLVING,
+            )
+            contact = yield from self._rest.look(pose, SOLVING, 1.0)
+            return Solved(pose, contact)
+
+        return Steps(steps())
+
+    def message(self, solved: Solved) -> str:
+        pose, how = solved.result, ""
+        solved.contact.note()
+        if pose.decrement > UNSETTLED:
+            self._note_unsettled(pose.decrement)
+        else:
+            how = f", settled to within {max(pose.decrement, TOLERANCE):.2%}"
+        return f"posed{how}{came_along(pose)}"
+
+    def drag(self, targets: np.ndarray) -> Any:
+        return self._poser.drag(targets)
+
+    def is_rough(self, result: Any) -> bool:
+        return result.movement > ROUGH * self._size
+
+    def start_settling(self, targets: np.ndarray) -> spectral_tv.Job:
+        return self._poser.start_solve(targets, TOLERANCE)
+
+    def start_check(self, result: Any) -> Steps[Contact]:
+        return Steps(self._rest.look(result, 0.0, 1.0))
+
+    def start_sequence(self, targets: Sequence[np.ndarray]) -> Steps[list[Solved]]:
+        def steps():
+            solved, count = [], len(targets)
+            for number, each in enumerate(targets):
+                solving = (number + SOLVING) / count
+                pose = yield self._poser.start_solve(each, TOLERANCE), solving
+                contact = yield from self._rest.look(pose, solving, (number + 1) / count)
+                solved.append(Solved(pose, contact))
+            return solved
+
+        return Steps(steps())
+
+    def note_sequence(self, frames: Sequence[int], solutions: Sequence[Solved]) -> None:
+        worst = max(solutions, key=lambda each: each.contact.crossing)
+        folded = max(solutions, key=lambda each: each.contact.turned_over)
+        for one, contact in (
+            (worst, Contact(crossing=worst.contact.crossing)),
+            (folded, Contact(turned_over=folded.contact.turned_over)),
+        ):
+            contact.note(f" on frame {frames[solutions.index(one)]}")
+        unsettled = max(each.result.decrement for each in solutions)
+        if unsettled > UNSETTLED:
+            self._note_unsettled(unsettled)
+
+    def take(self, settings: Settings) -> bool:
+        self._poser.set_parameters(**keywords(settings))
+        self.settings = settings
+        return True
+
+    @cached_property
+    def _poser(self) -> Any:
+        grips = self.grips
+        return spectral_tv.Poser(
+            self.mesh, grips.indices, grips.weights, self._bodies, **keywords(self.settings)
+        )
+
+    @staticmethod
+    def _note_unsettled(decrement: float) -> None:
+        note(
+            f"it has not settled: a better pose may cost {decrement:.1%} less. Move the handles in "
+            "smaller steps"
+        )

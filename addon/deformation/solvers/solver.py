@@ -1,0 +1,76 @@
+"""What all kinds of algorithms have in common."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+import numpy as np
+import spectral_tv
+
+from ...job.steps import Steps
+from ..constraints import Settings
+from ..contact import Contact
+from ..grips import Grips
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A result, spectral_tv.Deformation or Pose, and what was found wrong with its faces."""
+
+    result: Any
+    contact: Contact = field(default_factory=Contact)
+
+
+class Solver:
+    """Solves for the positions of a surface, once."""
+
+    def __init__(self, obj: bpy.types.Object, grips: Grips, settings: Settings) -> None:
+        """Take what is held, and how the rest follows; raises Refusal or spectral_tv.MeshError."""
+        self.object, self.grips, self.settings = obj, grips, settings
+        self.mesh = grips.surface.mesh
+
+    def start(self, targets: np.ndarray) -> Steps[Solved]:
+        """Solve for ``targets`` (K, 3) of the grips, in a thread."""
+        raise NotImplementedError
+
+    def message(self, solved: Solved) -> str:
+        """What a result says about itself, for the user; notes what is wrong with it."""
+        return f"deformed{came_along(solved.result)}"
+
+
+class Follower(Solver):
+    """Solves again and again, each time from where it was."""
+
+    def drag(self, targets: np.ndarray) -> Any:
+        """A quick and rough result for targets that are near the last ones."""
+        raise NotImplementedError
+
+    def is_rough(self, result: Any) -> bool:
+        """Whether `drag` should go on before `start_settling`, as that takes longer."""
+        raise NotImplementedError
+
+    def start_settling(self, targets: np.ndarray) -> spectral_tv.Job:
+        """Work the exact result out, in a thread."""
+        raise NotImplementedError
+
+    def start_check(self, _result: Any) -> Steps[Contact] | None:
+        """Look, in a thread, for what is wrong with a settled result; None if nothing can be."""
+        return None
+
+    def start_sequence(self, targets: Sequence[np.ndarray]) -> Steps[list[Solved]]:
+        """Solve for one after the other, in a thread."""
+        raise NotImplementedError
+
+    def note_sequence(self, frames: Sequence[int], solutions: Sequence[Solved]) -> None:
+        """Note what is wrong with some of several frames."""
+
+    def take(self, _settings: Settings) -> bool:
+        """Go on with other settings of the same algorithm, if that needs nothing to be read."""
+        return False
+
+
+def came_along(result: Any) -> str:
+    """Tell of parts without constraints."""
+    count = len(result.unconstrained)
+    return f"; {count} vertices of parts without a constraint came along" if count else ""

@@ -1,0 +1,67 @@
+"""Jobs one after the other, each made of what the one before gave; polled like one job."""
+
+from collections.abc import Callable, Generator
+from typing import Any, Generic, TypeVar
+
+import spectral_tv
+
+T = TypeVar("T")
+
+# A job, and the fraction of all the work that is done when it ends.
+Step = tuple[spectral_tv.Job, float]
+
+
+class Steps(Generic[T]):
+    """Runs the jobs that a generator yields, and sends it their results; what it returns is the
+    result."""
+
+    def __init__(self, steps: Generator[Step, Any, T]) -> None:
+        """Start the first job."""
+        self._steps = steps
+        self._before = 0.0
+        self._is_over = self._is_cancelled = False
+        self._result: T | None = None
+        self._job, self._after = next(steps)
+
+    @property
+    def progress(self) -> float:
+        """The fraction of the work done, in [0, 1]."""
+        if self._is_over:
+            return 1.0
+        return self._before + (self._after - self._before) * self._job.progress
+
+    @property
+    def done(self) -> bool:
+        """Whether all have ended, or one has failed; starts the next one."""
+        if not self._is_over and not self._job.done:
+            return False
+        if self._is_over or self._is_cancelled:
+            return True
+        try:
+            found = self._job.result()
+        except (spectral_tv.MeshError, spectral_tv.Cancelled, RuntimeError, MemoryError):
+            return True  # whoever asks for the result learns why
+        self._before = self._after
+        try:
+            self._job, self._after = self._steps.send(found)
+        except StopIteration as end:
+            self._result, self._is_over = end.value, True
+        return self._is_over
+
+    def cancel(self) -> None:
+        """Ask the one that runs to stop; no other is started."""
+        self._is_cancelled = True
+        self._job.cancel()
+
+    def result(self, progress: Callable[[float], None] | None = None) -> T:
+        """Wait, and return the result; raises what the job that failed raised.
+
+        ``progress`` takes the fraction done.
+        """
+        told = None if progress is None else lambda _fraction: progress(self.progress)
+        while not self.done:
+            self._job.result(told)
+        if not self._is_over:
+            self._job.result()
+            raise spectral_tv.Cancelled("cancelled")
+        return self._result
