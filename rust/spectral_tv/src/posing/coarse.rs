@@ -15,6 +15,8 @@ use crate::solver::Cholesky;
 /// What keeps rotations that nothing asks for where they are, relative to the diagonal, and what
 /// to try where that is too little, as without stiffness.
 const DAMPINGS: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
+/// The same relative to the largest entry, for what has no diagonal.
+const FLOOR: f64 = 1e-6;
 
 type Block = SMatrix<f64, 6, 6>;
 
@@ -227,11 +229,13 @@ impl CoarseSystem {
                 self.add(body_node, node, &between);
             }
         }
+        let entries = self.lower.data().iter();
+        let largest = entries.fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
         let mut outcome = Ok(());
         for damping in DAMPINGS {
             for (column, mut entries) in self.lower.outer_iterator_mut().enumerate() {
                 if let Some(diagonal) = entries.get_mut(column) {
-                    *diagonal = *diagonal * (1.0 + damping) + f64::MIN_POSITIVE;
+                    *diagonal += damping * (*diagonal + FLOOR * largest);
                 }
             }
             outcome = self.cholesky.factorize(&self.lower, stage);
