@@ -1,5 +1,7 @@
 //! The largest ball that reaches each vertex.
 
+use rayon::prelude::*;
+
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::parallel;
@@ -18,6 +20,10 @@ const FACING: f64 = 0.55;
 /// How far a ball goes on over other triangles, in its radii, to those beyond, as over the walls of a
 /// groove.
 const ASIDE: f64 = 0.3;
+/// Threads that have balls go along the surface at the same time, at most.
+const WALKS: usize = 4;
+/// Balls that are chosen at once, at most: none of them is passed over as another has its vertex.
+const AT_A_TIME: usize = 64;
 /// A ball is passed over where one reaches its vertex that is larger by this.
 const LARGER: f64 = 1.5;
 /// The same for one of any larger size, if its center is within this share of its radius.
@@ -37,43 +43,62 @@ pub(super) fn reached(
         let middle = std::array::from_fn(|axis| corners.iter().map(|p| p[axis]).sum::<f64>() / 3.0);
         [middle, outward.normal(shape, face as u32)]
     };
-    let mut reached = Reached {
+    let surface = Surface {
         shape,
         incidence,
         sides: stage.pass(|| parallel::values(shape.triangles.len(), side))?,
-        radii: vec![0.0; shape.points.len()],
-        aside: vec![(0, 0.0); shape.points.len()],
-        last: vec![0; shape.triangles.len()],
-        count: 0,
     };
+    let mut radii: Vec<f64> = vec![0.0; shape.points.len()];
+    let mut walks: Vec<Walk> = (0..WALKS).map(|_| Walk::on(&surface)).collect();
     for part in &balls.parts {
         let mut order: Vec<&Ball> = part.iter().collect();
         order.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         let mut spread: Vec<&Ball> = Vec::new();
-        for ball in order {
+        let mut rest = &order[..];
+        while !rest.is_empty() {
             stage.check()?;
-            let found = reached.radii[ball.vertex as usize];
-            let is_same = |larger: &&Ball| {
-                let distance = SAME * larger.radius;
-                square_distance(ball.center, larger.center) < distance * distance
-            };
-            let adds_much = || found < LARGER * ball.radius && !spread.iter().any(is_same);
-            if found < ball.radius || adds_much() {
-                reached.spread(ball);
-                spread.push(ball);
+            let first = spread.len();
+            let count = first.clamp(WALKS, AT_A_TIME).min(rest.len());
+            let (balls, others) = rest.split_at(count);
+            rest = others;
+            for &ball in balls {
+                let found = radii[ball.vertex as usize];
+                let is_same = |larger: &&Ball| {
+                    let distance = SAME * larger.radius;
+                    square_distance(ball.center, larger.center) < distance * distance
+                };
+                let adds_much = || found < LARGER * ball.radius && !spread.iter().any(is_same);
+                if found < ball.radius || adds_much() {
+                    spread.push(ball);
+                }
+            }
+            let claims = walks.par_iter_mut().enumerate().map(|(place, walk)| {
+                let own = spread[first..].iter().skip(place).step_by(WALKS);
+                own.map(|ball| (ball.radius, walk.claimed(ball)))
+                    .collect::<Vec<_>>()
+            });
+            for (radius, claimed) in claims.collect::<Vec<_>>().into_iter().flatten() {
+                for vertex in claimed {
+                    let known = &mut radii[vertex as usize];
+                    *known = known.max(radius);
+                }
             }
         }
     }
-    Ok(reached.radii)
+    Ok(radii)
 }
 
-/// What balls have reached so far.
-struct Reached<'a> {
+/// What balls go along.
+struct Surface<'a> {
     shape: &'a Scaled,
     incidence: &'a Incidence,
     /// The middles of the triangles, and their normals, outward, F.
     sides: Vec<[[f64; 3]; 2]>,
-    radii: Vec<f64>,
+}
+
+/// The ways of balls along a surface, one after the other.
+struct Walk<'a> {
+    surface: &'a Surface<'a>,
     /// Which ball came by a vertex last, by its number, and how far it had gone on over triangles that
     /// do not face it, V.
     aside: Vec<(u32, f64)>,
@@ -82,38 +107,50 @@ struct Reached<'a> {
     count: u32,
 }
 
-impl Reached<'_> {
-    /// Has a ball reach what it reaches, and its own vertex.
-    fn spread(&mut self, ball: &Ball) {
+impl<'a> Walk<'a> {
+    fn on(surface: &'a Surface<'a>) -> Self {
+        Self {
+            aside: vec![(0, 0.0); surface.shape.points.len()],
+            last: vec![0; surface.shape.triangles.len()],
+            count: 0,
+            surface,
+        }
+    }
+
+    /// The vertices that a ball reaches, its own among them; some more than once.
+    fn claimed(&mut self, ball: &Ball) -> Vec<u32> {
+        let Surface {
+            shape, incidence, ..
+        } = self.surface;
         self.count += 1;
         let farthest = (REACH * ball.radius).powi(2);
-        self.claim(ball.vertex, ball);
+        let mut claimed = vec![ball.vertex];
         self.aside[ball.vertex as usize] = (self.count, 0.0);
         let mut front = vec![ball.vertex];
         while let Some(vertex) = front.pop() {
             let (_, before) = self.aside[vertex as usize];
-            for &face in self.incidence.faces(vertex) {
+            for &face in incidence.faces(vertex) {
                 if self.last[face as usize] == self.count {
                     continue;
                 }
-                let is_facing = self.is_facing(face, ball);
+                let is_facing = self.surface.is_facing(face, ball);
                 if is_facing {
                     self.last[face as usize] = self.count;
                 }
-                for corner in self.shape.triangles[face as usize] {
+                for corner in shape.triangles[face as usize] {
                     let known = self.aside[corner as usize];
                     if known == (self.count, 0.0) {
                         continue;
                     }
-                    let point = self.shape.points[corner as usize];
+                    let point = shape.points[corner as usize];
                     if square_distance(point, ball.center) > farthest {
                         continue;
                     }
                     let aside = if is_facing {
-                        self.claim(corner, ball);
+                        claimed.push(corner);
                         0.0
                     } else {
-                        before + self.shape.distance(vertex, corner)
+                        before + shape.distance(vertex, corner)
                     };
                     let is_nearer = known.0 != self.count || aside < known.1;
                     if is_nearer && aside <= ASIDE * ball.radius {
@@ -123,13 +160,11 @@ impl Reached<'_> {
                 }
             }
         }
+        claimed
     }
+}
 
-    fn claim(&mut self, vertex: u32, ball: &Ball) {
-        let radius = &mut self.radii[vertex as usize];
-        *radius = radius.max(ball.radius);
-    }
-
+impl Surface<'_> {
     /// Whether a triangle faces away from the center of a ball.
     fn is_facing(&self, face: u32, ball: &Ball) -> bool {
         let [middle, normal] = self.sides[face as usize];
