@@ -1,11 +1,11 @@
 //! The Gauss–Newton matrix of a coarse mesh, factorized.
 
-use nalgebra::{Matrix3, SMatrix, Vector6};
+use nalgebra::{Matrix3, Vector6};
 use ndarray::Array2;
-use sprs::CsMatI;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::posing::blocks::{Block, BlockMatrix};
 use crate::posing::field::Field;
 use crate::posing::linearized::Linearized;
 use crate::posing::model::{Model, Role};
@@ -18,42 +18,22 @@ const DAMPINGS: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
 /// The same relative to the largest entry, for what has no diagonal.
 const FLOOR: f64 = 1e-6;
 
-type Block = SMatrix<f64, 6, 6>;
-
-/// A group of unknowns that are coupled to the same others: a vertex's, or a body's.
-#[derive(Debug, Clone)]
-struct Node {
-    /// Its first unknown.
-    first: usize,
-    /// 6 for a free vertex, 3 for a pinned one or a body.
-    size: usize,
-    /// The nodes after it that it is coupled with, and where their rows begin behind its own.
-    others: Vec<(u32, u32)>,
-}
-
 /// The matrix of [`Linearized`], its pattern found once.
 pub(super) struct CoarseSystem {
-    nodes: Vec<Node>,
+    matrix: BlockMatrix,
     /// The node of each vertex; `None` for one that nothing moves.
     node_of: Vec<Option<u32>>,
     /// The first node of a body.
     first_body: usize,
-    lower: CsMatI<f64, u32>,
     cholesky: Cholesky,
 }
 
 impl CoarseSystem {
     pub fn new(model: &Model, stage: Stage) -> Result<Self> {
-        let mut nodes = Vec::new();
-        let mut size = 0;
-        let mut new_node = |own: usize| {
-            nodes.push(Node {
-                first: size,
-                size: own,
-                others: Vec::new(),
-            });
-            size += own;
-            nodes.len() as u32 - 1
+        let mut sizes = Vec::new();
+        let mut new_node = |size: usize| {
+            sizes.push(size);
+            sizes.len() as u32 - 1
         };
         let mut node_of: Vec<Option<u32>> = model
             .roles
@@ -65,58 +45,26 @@ impl CoarseSystem {
             })
             .collect();
         let bodies: Vec<u32> = (0..model.body_count).map(|_| new_node(3)).collect();
-        let first_body = nodes.len() - bodies.len();
+        let first_body = sizes.len() - bodies.len();
         for (node, role) in node_of.iter_mut().zip(&model.roles) {
             if let Role::Body(body) = *role {
                 *node = Some(bodies[body as usize]);
             }
         }
-        let mut couple = |a: u32, b: u32| {
-            if a != b {
-                nodes[a.min(b) as usize].others.push((a.max(b), 0));
-            }
-        };
-        for corners in model.operators.gradient().triangles() {
+        let triangles = model.operators.gradient().triangles().iter();
+        let sides = triangles.flat_map(|corners| {
             let [i, j, k] = corners.map(|corner| node_of[corner as usize]);
-            for pair in [(i, j), (j, k), (k, i)] {
-                if let (Some(a), Some(b)) = pair {
-                    couple(a, b);
-                }
-            }
-        }
-        for (node, body) in node_of.iter().zip(&model.pulled_along) {
-            if let (Some(node), Some(body)) = (node, body) {
-                couple(*node, bodies[*body as usize]);
-            }
-        }
-        let sizes: Vec<usize> = nodes.iter().map(|node| node.size).collect();
-        let (mut starts, mut rows) = (vec![0_u32], Vec::new());
-        let firsts: Vec<usize> = nodes.iter().map(|node| node.first).collect();
-        for node in &mut nodes {
-            node.others.sort_unstable();
-            node.others.dedup();
-            let mut place = 0;
-            for (other, offset) in &mut node.others {
-                *offset = place;
-                place += sizes[*other as usize] as u32;
-            }
-            for column in 0..node.size {
-                rows.extend((column..node.size).map(|row| (node.first + row) as u32));
-                for &(other, _) in &node.others {
-                    let first = firsts[other as usize];
-                    rows.extend((first..first + sizes[other as usize]).map(|row| row as u32));
-                }
-                starts.push(rows.len() as u32);
-            }
-        }
-        let values = vec![0.0; rows.len()];
-        let lower = CsMatI::new_csc((size, size), starts, rows, values);
+            [(i, j), (j, k), (k, i)]
+        });
+        let pulls = node_of.iter().zip(&model.pulled_along);
+        let pulls = pulls.map(|(node, body)| (*node, body.map(|body| bodies[body as usize])));
+        let couplings = sides.chain(pulls).filter_map(|(a, b)| a.zip(b));
+        let matrix = BlockMatrix::new(&sizes, couplings);
         Ok(Self {
-            cholesky: Cholesky::analyse(&lower, stage)?,
-            nodes,
+            cholesky: Cholesky::analyse(&matrix.lower, stage)?,
             node_of,
             first_body,
-            lower,
+            matrix,
         })
     }
 
@@ -126,7 +74,7 @@ impl CoarseSystem {
     /// [`crate::Error::Solver`] if it is far from positive definite, or
     /// [`crate::Error::Cancelled`].
     pub fn factorize(&mut self, linearized: &Linearized, stage: Stage) -> Result<()> {
-        self.lower.data_mut().fill(0.0);
+        self.matrix.lower.data_mut().fill(0.0);
         let model = linearized.model;
         let gradient = model.operators.gradient();
         let state = linearized.state();
@@ -198,7 +146,7 @@ impl CoarseSystem {
                         block += derivatives[i] * derivatives[j].transpose();
                     }
                     let block = maps[i].transpose() * block * maps[j] * term.weight;
-                    self.add(a, b, &block);
+                    self.matrix.add(a, b, &block);
                 }
             }
         }
@@ -211,7 +159,8 @@ impl CoarseSystem {
             let map = map(vertex);
             let mut block = Block::zeros();
             block.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(own);
-            self.add(node, node, &(map.transpose() * block * map));
+            self.matrix
+                .add(node, node, &(map.transpose() * block * map));
             if let (true, Some(body)) = (spring > 0.0, body) {
                 let arm = rotated(&state.bodies[body as usize], &model.arms[vertex]);
                 let lever = arm.cross_matrix();
@@ -219,26 +168,26 @@ impl CoarseSystem {
                 own.fixed_view_mut::<3, 3>(0, 0)
                     .copy_from(&(lever.transpose() * lever * spring));
                 let body_node = (self.first_body + body as usize) as u32;
-                self.add(body_node, body_node, &own);
+                self.matrix.add(body_node, body_node, &own);
                 // −⟨ω × arm, δx⟩ = ⟨ω, [arm] … ⟩: rows of the body, columns of the vertex.
                 let mut between = Block::zeros();
                 between
                     .fixed_view_mut::<3, 3>(0, 0)
                     .copy_from(&(-lever * spring));
                 let between = between * map;
-                self.add(body_node, node, &between);
+                self.matrix.add(body_node, node, &between);
             }
         }
-        let entries = self.lower.data().iter();
+        let entries = self.matrix.lower.data().iter();
         let largest = entries.fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
         let mut outcome = Ok(());
         for damping in DAMPINGS {
-            for (column, mut entries) in self.lower.outer_iterator_mut().enumerate() {
+            for (column, mut entries) in self.matrix.lower.outer_iterator_mut().enumerate() {
                 if let Some(diagonal) = entries.get_mut(column) {
                     *diagonal += damping * (*diagonal + FLOOR * largest);
                 }
             }
-            outcome = self.cholesky.factorize(&self.lower, stage);
+            outcome = self.cholesky.factorize(&self.matrix.lower, stage);
             if !matches!(outcome, Err(Error::Solver(_))) {
                 break;
             }
@@ -246,46 +195,15 @@ impl CoarseSystem {
         outcome
     }
 
-    /// Adds a block at the rows of node `a` and the columns of `b`, a ≥ b.
-    fn add(&mut self, a: u32, b: u32, block: &Block) {
-        let node = &self.nodes[b as usize];
-        let (rows, columns) = (self.nodes[a as usize].size, node.size);
-        let starts = self.lower.proper_indptr();
-        let starts = &starts[node.first..node.first + columns];
-        let offset = match a == b {
-            true => None,
-            false => {
-                let found = node.others.binary_search_by_key(&a, |other| other.0);
-                Some(node.others[found.expect("every coupling is in the pattern")].1 as usize)
-            }
-        };
-        let starts: Vec<usize> = starts.iter().map(|&start| start as usize).collect();
-        let values = self.lower.data_mut();
-        for (column, start) in starts.into_iter().enumerate() {
-            match offset {
-                None => {
-                    for row in column..rows {
-                        values[start + row - column] += block[(row, column)];
-                    }
-                }
-                Some(offset) => {
-                    for row in 0..rows {
-                        values[start + columns - column + offset + row] += block[(row, column)];
-                    }
-                }
-            }
-        }
-    }
-
     /// Solves for a field of what moves freely.
     pub fn solve(&mut self, field: &Field, model: &Model) -> Field {
-        let size = self.lower.cols();
+        let size = self.matrix.lower.cols();
         let mut values = Array2::zeros((1, size));
         for (vertex, role) in model.roles.iter().enumerate() {
             let Some(node) = self.node_of[vertex] else {
                 continue;
             };
-            let first = self.nodes[node as usize].first;
+            let first = self.matrix.nodes[node as usize].first;
             for axis in 0..3 {
                 match role {
                     Role::Free => {
@@ -298,7 +216,7 @@ impl CoarseSystem {
             }
         }
         for (body, torque) in field.bodies.iter().enumerate() {
-            let first = self.nodes[self.first_body + body].first;
+            let first = self.matrix.nodes[self.first_body + body].first;
             for axis in 0..3 {
                 values[[0, first + axis]] = torque[axis];
             }
@@ -309,7 +227,7 @@ impl CoarseSystem {
             let Some(node) = self.node_of[vertex] else {
                 continue;
             };
-            let first = self.nodes[node as usize].first;
+            let first = self.matrix.nodes[node as usize].first;
             for axis in 0..3 {
                 match role {
                     Role::Free => {
@@ -322,7 +240,7 @@ impl CoarseSystem {
             }
         }
         for (body, turn) in found.bodies.iter_mut().enumerate() {
-            let first = self.nodes[self.first_body + body].first;
+            let first = self.matrix.nodes[self.first_body + body].first;
             for axis in 0..3 {
                 turn[axis] = values[[0, first + axis]];
             }

@@ -3,10 +3,11 @@
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::posing::field::Field;
-use crate::posing::handles::{Handles, Motion};
+use crate::posing::handles::Handles;
 use crate::posing::levels::Levels;
 use crate::posing::linearized::Linearized;
 use crate::posing::model::Goals;
+use crate::posing::motion::Motion;
 use crate::posing::search::{largest_movement, limited, searched};
 use crate::posing::state::{State, rotated};
 

@@ -21,6 +21,7 @@
 //! the fine one's. The fine mesh follows each, and is smoothed. Conjugate gradients on the fine
 //! mesh go the last way; the coarse mesh and the smoother are their preconditioner.
 
+mod blocks;
 mod coarse;
 mod current;
 mod decimation;
@@ -32,6 +33,7 @@ mod levels;
 mod lift;
 mod linearized;
 mod model;
+mod motion;
 mod newton;
 mod outcome;
 mod poser;
