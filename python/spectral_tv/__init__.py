@@ -69,8 +69,10 @@ from spectral_tv._results import (
     Findings,
     Folds,
     Pose,
+    Rig,
     SafeDisplacement,
 )
+from spectral_tv._rig import rig, start_rig
 from spectral_tv._thickness import start_thickness, thickness
 from spectral_tv._threads import use_threads
 
@@ -96,6 +98,7 @@ __all__ = [
     "MethodFacts",
     "Pose",
     "Poser",
+    "Rig",
     "SafeDisplacement",
     "__version__",
     "accuracy",
@@ -114,6 +117,7 @@ __all__ = [
     "folds",
     "graded_times",
     "pose",
+    "rig",
     "safe_displacement",
     "self_intersections",
     "set_threads",
@@ -126,6 +130,7 @@ __all__ = [
     "start_eigenset_test",
     "start_flow",
     "start_pose",
+    "start_rig",
     "start_safe_displacement",
     "start_self_intersections",
     "start_thickness",

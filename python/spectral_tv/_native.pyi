@@ -14,6 +14,7 @@ from spectral_tv._results import (
     Findings,
     Folds,
     Pose,
+    Rig,
     SafeDisplacement,
 )
 
@@ -226,6 +227,7 @@ def start_pose(
     parameters: Mapping[str, Any],
     tolerance: float,
 ) -> Job[Pose]: ...
+def start_rig(mesh: Mesh, vertices: ArrayLike, rotations: ArrayLike) -> Job[Rig]: ...
 def start_safe_displacement(
     mesh: Mesh, displacement: ArrayLike, stretch: float
 ) -> Job[SafeDisplacement]: ...

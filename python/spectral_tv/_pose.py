@@ -49,11 +49,11 @@ def pose(
         rigid body that turns freely: its centre, the mean of its vertices, goes to the mean of
         their targets. Soft ones are pulled along with it.
     joint_softness : float
-        How wide and soft joints are, 0 or more; 0 folds them as sharply as the mesh allows.
+        How wide and soft joints are, from 0 to 1e6; 0 folds them as sharply as the mesh allows.
     stiffness : float
-        What turning costs, as a length relative to the diagonal of the bounding box, 0 or more.
+        What turning costs, as a length relative to the diagonal of the bounding box, from 0 to 1e6.
     stillness : float
-        What moving away from rest costs, 0 or more. With 0 the body leans after its limbs.
+        What moving away from rest costs, from 0 to 1e6. With 0 the body leans after its limbs.
     tolerance : float
         Decrement to reach, in (0, 1).
     {progress}

@@ -252,6 +252,38 @@ class Pose(_Result):
 
 
 @dataclass(frozen=True, eq=False)
+class Rig(_Result):
+    """The pieces of a pose that move rigidly, the largest first, and the joints between them, found
+    by `rig`.
+
+    Attributes
+    ----------
+    labels : int64 array
+        The piece of every vertex, (V,); −1 in joints.
+    weights : array
+        How much each piece moves each vertex, (V, P): 1 within, smooth in joints. Rows sum to 1.
+    parents : int64 array
+        The piece that each hangs on, (P,); −1 for one that hangs on none.
+    heads : array
+        The joint of each with its parent at rest, or the middle of one that hangs on none, (P, 3).
+    tails : array
+        The far end of each piece, seen from its head, (P, 3).
+    rotations : array
+        How each piece is turned, (P, 4): unit quaternions w, x, y, z.
+    translations : array
+        Where its points go after that, (P, 3), length.
+    """
+
+    labels: NDArray[np.int64] = field(repr=False)
+    weights: Numbers = field(repr=False)
+    parents: NDArray[np.int64]
+    heads: Numbers = field(repr=False)
+    tails: Numbers = field(repr=False)
+    rotations: Numbers = field(repr=False)
+    translations: Numbers = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
 class Folds(_Result):
     """What a displacement does to the faces of a mesh, found by `folds`.
 

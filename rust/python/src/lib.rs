@@ -23,6 +23,7 @@ mod pickling;
 mod poser;
 mod posing;
 mod results;
+mod rig;
 mod segmentation;
 mod settings;
 mod shape;
@@ -74,6 +75,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(posing::start_pose, module)?,
         wrap_pyfunction!(pickling::_reduced, module)?,
         wrap_pyfunction!(pickling::_restore, module)?,
+        wrap_pyfunction!(rig::start_rig, module)?,
         wrap_pyfunction!(segmentation::start_cosegment, module)?,
         wrap_pyfunction!(settings::_facts, module)?,
         wrap_pyfunction!(settings::default_base_time, module)?,

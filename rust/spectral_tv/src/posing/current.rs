@@ -24,6 +24,17 @@ pub(super) struct Current {
 }
 
 impl Current {
+    /// Where all is before anything moves.
+    pub fn at_rest(handles: &Handles) -> Self {
+        let (state, goals) = handles.at_rest();
+        Self {
+            state,
+            goals,
+            motion: Motion::none(),
+            targets: None,
+        }
+    }
+
     /// One cycle: the coarse mesh follows the handles, the fine one follows it, and is smoothed.
     /// Returns the largest movement, length.
     pub fn cycle(

@@ -5,7 +5,6 @@ use nalgebra::{Quaternion, Vector3};
 use crate::deformation::Constraints;
 use crate::error::{ArgumentError, Result};
 use crate::mesh::TriangleMesh;
-use crate::posing::current::Current;
 use crate::posing::frames::Frames;
 use crate::posing::model::{Goals, Role};
 use crate::posing::motion::{Motion, Pair, common_motion};
@@ -161,20 +160,17 @@ impl Handles {
         self.diagonal
     }
 
-    /// Where all is before anything moves.
-    pub(super) fn at_rest(&self) -> Current {
-        Current {
-            state: State::at_rest(&self.rest, self.bodies.len()),
-            goals: Goals {
-                positions: self.rest.clone(),
-                rotations: vec![Quaternion::identity(); self.rest.len()],
-                still: self.rest.clone(),
-                springs: vec![0.0; self.rest.len()],
-                centres: self.bodies.iter().map(|body| body.centre).collect(),
-            },
-            motion: Motion::none(),
-            targets: None,
-        }
+    /// What is given before anything moves.
+    pub(super) fn at_rest(&self) -> (State, Goals) {
+        let state = State::at_rest(&self.rest, self.bodies.len());
+        let goals = Goals {
+            positions: self.rest.clone(),
+            rotations: vec![Quaternion::identity(); self.rest.len()],
+            still: self.rest.clone(),
+            springs: vec![0.0; self.rest.len()],
+            centres: self.bodies.iter().map(|body| body.centre).collect(),
+        };
+        (state, goals)
     }
 
     /// Where target `positions` take what is held, and the motion that most of it has in common.

@@ -36,8 +36,10 @@ mod model;
 mod motion;
 mod newton;
 mod outcome;
+
 mod poser;
 mod quadric;
+mod rig;
 mod search;
 mod settings;
 mod smoother;
@@ -47,6 +49,8 @@ mod tests;
 
 pub use handles::Handles;
 pub use outcome::Pose;
+
 pub use poser::{Poser, pose, pose_with};
+pub use rig::{Rig, rig, rig_with};
 pub use settings::Settings;
 pub use state::Snapshot;

@@ -57,7 +57,7 @@ impl Poser {
         require(needs::deformation(needs::Size::of(mesh)), mesh, stage)?;
         let parameters = Parameters::new(&settings, handles.diagonal());
         let levels = Levels::new(mesh, &handles, parameters, stage)?;
-        let current = handles.at_rest();
+        let current = Current::at_rest(&handles);
         Ok(Self {
             handles,
             settings,

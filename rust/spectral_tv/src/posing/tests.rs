@@ -1,6 +1,6 @@
 //! Facts of the energy and its solver.
 
-use nalgebra::Vector3;
+use nalgebra::{Quaternion, Vector3};
 
 use crate::deformation::{self, Constraints, deform};
 use crate::mesh::TriangleMesh;
@@ -11,7 +11,11 @@ use crate::posing::handles::Handles;
 use crate::posing::levels::Levels;
 use crate::posing::linearized::Linearized;
 use crate::posing::model::Parameters;
+
+use crate::posing::poser::pose;
+use crate::posing::rig::rig;
 use crate::posing::settings::Settings;
+use crate::posing::state::rotated;
 
 /// A strip of `length` squares, one high, in the plane.
 fn strip(length: usize) -> TriangleMesh {
@@ -43,7 +47,7 @@ fn bent() -> (Levels, Current) {
     let parameters = Parameters::new(&Settings::default(), handles.diagonal());
     let stage = Monitor::new();
     let levels = Levels::new(&mesh, &handles, parameters, stage.whole()).unwrap();
-    let mut current = handles.at_rest();
+    let mut current = Current::at_rest(&handles);
     (current.goals, current.motion) = handles.goals(&targets).unwrap();
     let mut random = fastrand::Rng::with_seed(5);
     let mut field = some(&levels, &mut random);
@@ -172,7 +176,7 @@ fn without_turns_it_is_the_convex_problem() {
     parameters.unstrained = 1e-10;
     let stage = Monitor::new();
     let mut levels = Levels::new(&mesh, &handles, parameters, stage.whole()).unwrap();
-    let mut current = handles.at_rest();
+    let mut current = Current::at_rest(&handles);
     current
         .cycle(&mut levels, &handles, &targets, stage.whole())
         .unwrap();
@@ -184,4 +188,53 @@ fn without_turns_it_is_the_convex_problem() {
     let value = levels.fine.value(&current.state, &current.goals);
     let least = convex.total_variation * (1.0 - convex.gap);
     assert!((value / least - 1.0).abs() < 1e-3, "{value} {least}");
+}
+
+#[test]
+fn a_bent_dumbbell_is_two_pieces_with_a_joint_between() {
+    let mesh = dumbbell();
+    let vertices = mesh.vertices();
+    let held: Vec<usize> = (0..vertices.len())
+        .filter(|&v| vertices[v][0].abs() > 1.5)
+        .collect();
+    let indices: Vec<i64> = held.iter().map(|&v| v as i64).collect();
+    let bodies: Vec<i64> = held
+        .iter()
+        .map(|&v| if vertices[v][0] > 0.0 { 0 } else { -1 })
+        .collect();
+    let lifted = |v: &usize| {
+        let [x, y, z] = vertices[*v];
+        if x > 0.0 {
+            [x - 0.4, y, z + 1.0]
+        } else {
+            [x, y, z]
+        }
+    };
+    let targets: Vec<[f64; 3]> = held.iter().map(lifted).collect();
+    let handles = Handles::new(&mesh, &indices, None, Some(&bodies)).unwrap();
+    let posed = pose(&mesh, handles, &targets, Settings::default(), 1e-4).unwrap();
+    let found = rig(&mesh, posed.displacement.view(), posed.rotations.view()).unwrap();
+    assert_eq!(found.rotations.len(), 2);
+    let root = found.parents.iter().position(Option::is_none).unwrap();
+    let arm = 1 - root;
+    assert_eq!(found.parents[arm], Some(root));
+    let [x, y, _] = found.heads[arm];
+    assert!(x.abs() < 0.8 && y.abs() < 0.1, "{:?}", found.heads[arm]);
+    assert!(found.tails[arm][0] > 1.5);
+    for column in found.weights.columns() {
+        assert!((column.sum() - 1.0).abs() < 1e-12);
+        assert!(column.iter().all(|&weight| weight >= 0.0));
+    }
+    // Bones that turn so carry the mesh to about where the pose has it.
+    let moved = |v: usize, piece: usize| {
+        let [w, i, j, k] = found.rotations[piece];
+        let turn = Quaternion::new(w, i, j, k);
+        rotated(&turn, &vertices[v].into()) + Vector3::from(found.translations[piece])
+    };
+    for (v, vertex) in vertices.iter().enumerate() {
+        let blended: Vector3<f64> = (0..2).map(|p| found.weights[[p, v]] * moved(v, p)).sum();
+        let goal =
+            Vector3::from(*vertex) + Vector3::from_fn(|axis, _| posed.displacement[[axis, v]]);
+        assert!((blended - goal).norm() < 0.1, "{v}");
+    }
 }
