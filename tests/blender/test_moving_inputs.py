@@ -194,7 +194,7 @@ def test_what_does_not_keep_its_vertices_or_does_not_move_is_refused(tmp_path: P
 @pytest.mark.parametrize("suffix", MOVING)
 def test_deformed_frames_are_played(tmp_path: Path, capfd, suffix):
     source, target = write_monkey(tmp_path / "monkey.ply"), tmp_path / f"out{suffix}"
-    moves = ["--pin", "z<10%", "--move", "z>90%:0,0,1", "--frames", "1-9:4"]
+    moves = ["--pin", "z<10%", "--move", "z>90%:0,0,1", "--frames", "1-9:4", "--unturned"]
     assert run(["deform", str(source), "-o", str(target), *moves]) == 0
     assert "holds no animation" not in capfd.readouterr().err
     load(target)

@@ -32,10 +32,10 @@ def displacements(obj) -> np.ndarray:
     return np.array([coordinates(key.data) - basis for key in latest(obj)])
 
 
-def low_pass(obj) -> None:
+def low_pass(obj, **options) -> None:
     """Remove the finest of three bands, with whatever is seen as the start."""
     bpy.context.view_layer.objects.active = obj
-    bpy.ops.spectral_tv.decompose(**QUICK)
+    bpy.ops.spectral_tv.decompose(**QUICK, **options)
     latest(obj)[0].value = -1
 
 
@@ -49,15 +49,19 @@ def from_scratch(points: np.ndarray, like) -> bpy.types.Object:
     return obj
 
 
-def test_filtering_again_filters_what_the_first_filter_shows(monkey):
+# A rounded position can turn a choice by which thickness is found.
+@pytest.mark.parametrize(("keep_limbs", "most"), [(0, 1e-5), (1, 3e-5)])
+def test_filtering_again_filters_what_the_first_filter_shows(monkey, keep_limbs, most):
     """Not the detail that is gone already, once more."""
-    low_pass(monkey)
+    low_pass(monkey, keep_limbs=keep_limbs)
     once = seen(monkey)
-    low_pass(monkey)
+    low_pass(monkey, keep_limbs=keep_limbs)
     twice = seen(monkey)
     fresh = from_scratch(once, monkey)
-    low_pass(fresh)
-    np.testing.assert_allclose(twice, seen(fresh), atol=1e-5)
+    low_pass(fresh, keep_limbs=keep_limbs)
+    difference = np.abs(twice - seen(fresh))
+    assert difference.max() < most
+    assert difference.mean() < 1e-6
 
 
 def test_other_keys_masks_and_mutes_count_as_they_are_shown(monkey):

@@ -156,7 +156,7 @@ def test_what_is_no_such_number_is_refused_by_name(name, argument, kind):
         ("graded_times", "largest", 1e300, "finest scale must be above 0 and below the largest"),
         ("caricature", "gain", 1e300, "gain must be finite and at most 1e100"),
         ("deform", "softness", 1e300, "softness must be a length"),
-        ("pose", "stiffness", 1e300, "stiffness must be a number, 0 or more"),
+        ("pose", "stiffness", 1e300, "stiffness must be a number from 0 to 1e6"),
     ],
 )
 def test_numbers_out_of_range_are_refused(name, argument, value, message):
