@@ -116,7 +116,9 @@ def click_twice_and_pull() -> Steps[None]:
     assert handle == obj.spectral_tv.constraints[1].target and handle.select_get()
     assert not obj.select_get()
     yield from until(lambda: running() is not None, "Live to begin")
-    yield from until(lambda: leaning(obj) is not None, "the shape key")
+    yield from until(
+        lambda: obj.data.shape_keys is not None and top(obj) is not None, "the shape key"
+    )
     yield from key("g")
     yield from key("x")
     xdotool("mousemove_relative", "--", 60, 0)
