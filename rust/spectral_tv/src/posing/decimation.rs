@@ -59,7 +59,7 @@ pub(super) fn decimate(
             continue;
         }
         if !work.is_allowed(from, to) {
-            work.refused.push((from, to));
+            work.refused[from as usize].push(to);
             work.enqueue(from, &mut queue);
             continue;
         }
@@ -111,8 +111,8 @@ struct Work<'a> {
     ages: Vec<u32>,
     went_to: Vec<u32>,
     alive: usize,
-    /// Collapses that were refused since the last change of the first vertex.
-    refused: Vec<(u32, u32)>,
+    /// Where each vertex was refused to go since it last changed.
+    refused: Vec<Vec<u32>>,
 }
 
 impl<'a> Work<'a> {
@@ -145,7 +145,7 @@ impl<'a> Work<'a> {
             masses,
             ages: vec![0; count],
             went_to: (0..count as u32).collect(),
-            refused: Vec::new(),
+            refused: vec![Vec::new(); count],
         }
     }
 
@@ -163,14 +163,6 @@ impl<'a> Work<'a> {
             }
         }
         found
-    }
-
-    /// Whether an edge is open, where sheets meet, or between faces of several regions.
-    fn is_special(&self, from: u32, to: u32, count: u32) -> bool {
-        if count != 2 || self.labels[from as usize] != self.labels[to as usize] {
-            return true;
-        }
-        false
     }
 
     /// Whether a vertex is next to one of another region.
@@ -191,9 +183,9 @@ impl<'a> Work<'a> {
         let mut best: Option<Collapse> = None;
         for &(other, count) in &neighbours {
             if self.labels[other as usize] != label
-                || (is_open && !self.is_special(vertex, other, count))
+                || (is_open && count == 2)
                 || (is_on_border && !self.is_on_border(other))
-                || self.refused.contains(&(vertex, other))
+                || self.refused[vertex as usize].contains(&other)
             {
                 continue;
             }
@@ -272,9 +264,9 @@ impl<'a> Work<'a> {
         changed.extend(self.neighbours(to).iter().map(|&(vertex, _)| vertex));
         for &vertex in &changed {
             self.ages[vertex as usize] += 1;
+            self.refused[vertex as usize].clear();
         }
         self.ages[from as usize] += 1;
-        self.refused.retain(|(vertex, _)| !changed.contains(vertex));
         changed
     }
 

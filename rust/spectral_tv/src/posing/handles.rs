@@ -33,9 +33,9 @@ pub(super) struct Body {
 
 impl Handles {
     /// Constrains `indices`, with weights as [`Constraints::new`] takes them. `bodies` has a number
-    /// for each: −1 for one that goes to its target, turned as the faces between such ones are. Those with the same other number are one rigid
-    /// body that turns as it likes, its centre going to the mean of their targets; soft ones are
-    /// pulled along with it.
+    /// for each: −1 for one that goes to its target, turned as the faces between such ones are.
+    /// Those with the same other number are one rigid body that turns as it likes. Its centre goes
+    /// to the mean of their targets. Soft ones are pulled along with it.
     ///
     /// # Errors
     /// As [`Constraints::new`]; if there is not one number per constrained vertex, one is below −1,
@@ -227,7 +227,8 @@ fn bounds(points: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
     })
 }
 
-fn diagonal(points: &[Vector3<f64>]) -> f64 {
+/// The diagonal of the bounding box of points.
+pub(super) fn diagonal(points: &[Vector3<f64>]) -> f64 {
     let (least, most) = bounds(points);
     (most - least).norm()
 }

@@ -103,7 +103,12 @@ pub(super) fn common_motion(points: &[Pair], diagonal: f64) -> Motion {
 }
 
 /// The rigid motion of least Σ w |M p − t|², no turn counting as much as `prior`, mass × length².
-fn fitted(points: &[Pair], known: &Motion, prior: f64, weight: impl Fn(&Pair) -> f64) -> Motion {
+pub(super) fn fitted(
+    points: &[Pair],
+    known: &Motion,
+    prior: f64,
+    weight: impl Fn(&Pair) -> f64,
+) -> Motion {
     let weights: Vec<f64> = points.iter().map(weight).collect();
     let total: f64 = weights.iter().sum();
     if total <= 0.0 {

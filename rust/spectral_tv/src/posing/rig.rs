@@ -2,20 +2,20 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use ndarray::{Array2, ArrayView2};
 
-use crate::deformation::nearest_rotation;
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result, unusable_values};
 use crate::memory::needs;
 use crate::mesh::{TriangleMesh, components_of};
 use crate::monitor::{Monitor, Stage};
 use crate::operators::{element_stiffness, pin};
+use crate::posing::handles::diagonal;
 use crate::posing::model::{Corners, Model, Parameters, Role};
-use crate::posing::motion::Motion;
+use crate::posing::motion::{self, Motion};
 use crate::posing::settings::Settings;
-use crate::posing::state::{State, normalized, rotated};
+use crate::posing::state::{State, normalized};
 
 /// e of strain and turning up to which a face is of a piece, and not of a joint.
 const RIGID: f64 = 0.1;
@@ -147,16 +147,13 @@ fn state_of(
 
 /// The mesh without handles, with the parameters by which joints are told from pieces.
 fn free(mesh: &TriangleMesh, operators: Discretization, rest: Vec<Vector3<f64>>) -> Model {
-    let (least, most) = rest.iter().fold((rest[0], rest[0]), |(least, most), p| {
-        (least.inf(p), most.sup(p))
-    });
     Model {
         roles: vec![Role::Free; rest.len()],
         arms: Vec::new(),
         pulled_along: Vec::new(),
         body_count: 0,
         corners: Corners::new(rest.len(), mesh.triangles()),
-        parameters: Parameters::new(&Settings::default(), (most - least).norm()),
+        parameters: Parameters::new(&Settings::default(), diagonal(&rest)),
         operators,
         rest,
     }
@@ -205,25 +202,14 @@ fn fitted(
     labels: &[Option<u32>],
     piece: u32,
 ) -> Motion {
-    let own = || (0..rest.len()).filter(|&v| labels[v] == Some(piece));
-    let mass = |v: usize| mesh.vertex_areas()[v];
-    let total: f64 = own().map(mass).sum();
-    let mean = |points: &[Vector3<f64>]| {
-        own()
-            .map(|v| mass(v) / total * points[v])
-            .sum::<Vector3<f64>>()
-    };
-    let (before, after) = (mean(rest), mean(&state.positions));
-    let mut covariance = Matrix3::zeros();
-    for v in own() {
-        covariance += mass(v) * (state.positions[v] - after) * (rest[v] - before).transpose();
-    }
-    let rotation = nearest_rotation(covariance, &Rotation3::identity());
-    let rotation = UnitQuaternion::from_rotation_matrix(&rotation).into_inner();
-    Motion {
-        translation: after - rotated(&rotation, &before),
-        rotation,
-    }
+    let own = (0..rest.len()).filter(|&v| labels[v] == Some(piece));
+    let pair = |v: usize| (mesh.vertex_areas()[v], rest[v], state.positions[v]);
+    motion::fitted(
+        &own.map(pair).collect::<Vec<_>>(),
+        &Motion::none(),
+        0.0,
+        |p| p.0,
+    )
 }
 
 /// What each piece hangs on, over joints, from the pieces on that move least.
