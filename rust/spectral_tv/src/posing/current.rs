@@ -54,9 +54,8 @@ impl Current {
             let mut asked = levels.lift.restrict(&fine.gradient, &before, &self.state);
             levels.coarse.reduce(&before, &mut asked);
             let coarse = Linearized::new(&levels.coarse, &before, &coarse_goals);
-            let mut lack = asked;
-            lack.add(-1.0, &coarse.gradient);
-            lack
+            asked.add(-1.0, &coarse.gradient);
+            asked
         };
         let carried = self.motion.to(&motion);
         let mut coarse = before;
@@ -75,11 +74,9 @@ impl Current {
             levels.system.factorize(&linearized, stage)?;
             let mut descent = linearized.gradient.clone();
             descent.add(1.0, &lack);
-            let slope_field = descent.clone();
-            let mut direction = levels.system.solve(&descent, &levels.coarse);
-            direction.add(-2.0, &direction.clone());
+            let direction = levels.system.solve(&descent, &levels.coarse).reversed();
             let limit = limited(&direction);
-            let slope = slope_field.dot(&direction);
+            let slope = descent.dot(&direction);
             let mut expanded = direction.clone();
             levels.coarse.expand(&coarse, &mut expanded);
             let value = linearized.value;
@@ -125,7 +122,7 @@ impl Current {
                     direction.turns = levels.smoother.turns(&forces.turns, stage)?;
                 }
             }
-            direction.add(-2.0, &direction.clone());
+            let direction = direction.reversed();
             let slope = linearized.gradient.dot(&direction);
             let value = linearized.value;
             let state = &self.state;

@@ -1,6 +1,7 @@
 //! Small motions of all vertices: a tangent vector of the space of poses, or a gradient.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::parallel;
 
@@ -37,23 +38,33 @@ impl Field {
 
     /// Adds `scale` times `other`.
     pub fn add(&mut self, scale: f64, other: &Self) {
-        let add = |to: &mut [Vector3<f64>], from: &[Vector3<f64>]| {
-            use rayon::prelude::*;
-            parallel::for_each(to.par_iter_mut().zip(from), |(a, b)| *a += scale * b);
-        };
-        add(&mut self.moves, &other.moves);
-        add(&mut self.turns, &other.turns);
-        add(&mut self.bodies, &other.bodies);
+        self.combine(other, |a, b| *a += scale * b);
     }
 
     /// Takes `other` plus `scale` times itself.
     pub fn scale_and_add(&mut self, scale: f64, other: &Self) {
-        let add = |to: &mut [Vector3<f64>], from: &[Vector3<f64>]| {
-            use rayon::prelude::*;
-            parallel::for_each(to.par_iter_mut().zip(from), |(a, b)| *a = scale * *a + b);
-        };
-        add(&mut self.moves, &other.moves);
-        add(&mut self.turns, &other.turns);
-        add(&mut self.bodies, &other.bodies);
+        self.combine(other, |a, b| *a = scale * *a + b);
+    }
+
+    /// The opposite one.
+    pub fn reversed(mut self) -> Self {
+        for vectors in [&mut self.moves, &mut self.turns, &mut self.bodies] {
+            parallel::for_each(vectors.par_iter_mut(), |vector| *vector = -*vector);
+        }
+        self
+    }
+
+    fn combine(
+        &mut self,
+        other: &Self,
+        with: impl Fn(&mut Vector3<f64>, &Vector3<f64>) + Sync + Send,
+    ) {
+        for (to, from) in [
+            (&mut self.moves, &other.moves),
+            (&mut self.turns, &other.turns),
+            (&mut self.bodies, &other.bodies),
+        ] {
+            parallel::for_each(to.par_iter_mut().zip(from), |(a, b)| with(a, b));
+        }
     }
 }

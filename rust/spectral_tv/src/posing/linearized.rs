@@ -7,7 +7,7 @@ use crate::parallel;
 use crate::posing::energy::Crushed;
 use crate::posing::field::Field;
 use crate::posing::model::{Goals, Model, Role};
-use crate::posing::state::State;
+use crate::posing::state::{State, rotated};
 
 /// A quadratic model of the energy. Motions are δx and rotation vectors ω.
 pub(super) struct Linearized<'a> {
@@ -188,10 +188,7 @@ impl<'a> Linearized<'a> {
             if spring > 0.0 {
                 let off = match model.pulled_along[vertex] {
                     Some(body) => {
-                        let arm = crate::posing::state::rotated(
-                            &self.state.bodies[body as usize],
-                            &model.arms[vertex],
-                        );
+                        let arm = rotated(&self.state.bodies[body as usize], &model.arms[vertex]);
                         let off = own - field.bodies[body as usize].cross(&arm);
                         product.bodies[body as usize] -= arm.cross(&(spring * off));
                         off

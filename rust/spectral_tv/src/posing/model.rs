@@ -157,17 +157,22 @@ impl Model {
     /// Keeps of a gradient by all vertices what is by those that move freely, and by the bodies.
     pub fn reduce(&self, state: &State, field: &mut Field) {
         for (vertex, role) in self.roles.iter().enumerate() {
-            match *role {
+            if let Role::Body(body) = *role {
+                let arm = self.arm(vertex, body, state);
+                let torque = field.turns[vertex] + arm.cross(&field.moves[vertex]);
+                field.bodies[body as usize] += torque;
+            }
+        }
+        self.mask(field);
+    }
+
+    /// Takes out of a field what vertices do not do by themselves.
+    pub fn mask(&self, field: &mut Field) {
+        for (vertex, role) in self.roles.iter().enumerate() {
+            match role {
                 Role::Free => {}
                 Role::Pinned => field.moves[vertex] = Vector3::zeros(),
-                Role::Body(body) => {
-                    let arm = self.arm(vertex, body, state);
-                    let torque = field.turns[vertex] + arm.cross(&field.moves[vertex]);
-                    field.bodies[body as usize] += torque;
-                    field.moves[vertex] = Vector3::zeros();
-                    field.turns[vertex] = Vector3::zeros();
-                }
-                Role::Fixed | Role::Floating => {
+                Role::Fixed | Role::Body(_) | Role::Floating => {
                     field.moves[vertex] = Vector3::zeros();
                     field.turns[vertex] = Vector3::zeros();
                 }

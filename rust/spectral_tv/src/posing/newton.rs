@@ -1,15 +1,12 @@
 //! Gauss–Newton steps of the fine mesh by conjugate gradients, which the coarse mesh and the smoother
 //! precondition.
 
-use nalgebra::Vector3;
-
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::posing::current::Current;
 use crate::posing::field::Field;
 use crate::posing::levels::Levels;
 use crate::posing::linearized::Linearized;
-use crate::posing::model::{Model, Role};
 use crate::posing::search::{largest_movement, limited, searched};
 
 const MOST_ITERATIONS: usize = 60;
@@ -46,14 +43,13 @@ impl Current {
             let mut correction = system.solve(&restricted, coarse);
             coarse.expand(&coarse_state, &mut correction);
             let mut prolonged = lift.prolong(&correction, &coarse_state, state);
-            mask(fine, &mut prolonged);
+            fine.mask(&mut prolonged);
             found.add(1.0, &prolonged);
             Ok(found)
         };
         let value = linearized.value;
         let mut direction = Field::zeros(fine.rest.len(), fine.body_count);
-        let mut residual = linearized.gradient.clone();
-        residual.add(-2.0, &linearized.gradient);
+        let mut residual = linearized.gradient.clone().reversed();
         let mut preconditioned = precondition(&residual)?;
         let mut search = preconditioned.clone();
         let mut norm = residual.dot(&preconditioned);
@@ -99,19 +95,5 @@ impl Current {
             self.state = next;
         }
         Ok((decrement, movement))
-    }
-}
-
-/// Takes out what is given.
-fn mask(model: &Model, field: &mut Field) {
-    for (vertex, role) in model.roles.iter().enumerate() {
-        match role {
-            Role::Free => {}
-            Role::Pinned => field.moves[vertex] = Vector3::zeros(),
-            Role::Fixed | Role::Body(_) | Role::Floating => {
-                field.moves[vertex] = Vector3::zeros();
-                field.turns[vertex] = Vector3::zeros();
-            }
-        }
     }
 }
