@@ -1,6 +1,6 @@
 //! The Gauss–Newton matrix of a coarse mesh, factorized.
 
-use nalgebra::{Matrix3, Vector6};
+use nalgebra::{Matrix3, Vector3, Vector6};
 use ndarray::Array2;
 
 use crate::error::{Error, Result};
@@ -197,54 +197,44 @@ impl CoarseSystem {
 
     /// Solves for a field of what moves freely.
     pub fn solve(&mut self, field: &Field, model: &Model) -> Field {
-        let size = self.matrix.lower.cols();
-        let mut values = Array2::zeros((1, size));
-        for (vertex, role) in model.roles.iter().enumerate() {
-            let Some(node) = self.node_of[vertex] else {
-                continue;
-            };
-            let first = self.matrix.nodes[node as usize].first;
+        let mut values = Array2::zeros((1, self.matrix.lower.cols()));
+        let mut found = field.clone();
+        self.visit(model, &mut found, |first, vector| {
             for axis in 0..3 {
-                match role {
-                    Role::Free => {
-                        values[[0, first + axis]] = field.moves[vertex][axis];
-                        values[[0, first + 3 + axis]] = field.turns[vertex][axis];
-                    }
-                    Role::Pinned => values[[0, first + axis]] = field.turns[vertex][axis],
-                    Role::Fixed | Role::Body(_) | Role::Floating => {}
-                }
+                values[[0, first + axis]] = vector[axis];
             }
-        }
-        for (body, torque) in field.bodies.iter().enumerate() {
-            let first = self.matrix.nodes[self.first_body + body].first;
-            for axis in 0..3 {
-                values[[0, first + axis]] = torque[axis];
-            }
-        }
+        });
         self.cholesky.solve_in_place(&mut values);
-        let mut found = Field::zeros(field.moves.len(), field.bodies.len());
+        self.visit(model, &mut found, |first, vector| {
+            *vector = Vector3::from_fn(|axis, _| values[[0, first + axis]]);
+        });
+        model.mask(&mut found);
+        found
+    }
+
+    /// Goes through the vectors of a field that are solved for, each with its first unknown.
+    fn visit(
+        &self,
+        model: &Model,
+        field: &mut Field,
+        mut each: impl FnMut(usize, &mut Vector3<f64>),
+    ) {
         for (vertex, role) in model.roles.iter().enumerate() {
             let Some(node) = self.node_of[vertex] else {
                 continue;
             };
             let first = self.matrix.nodes[node as usize].first;
-            for axis in 0..3 {
-                match role {
-                    Role::Free => {
-                        found.moves[vertex][axis] = values[[0, first + axis]];
-                        found.turns[vertex][axis] = values[[0, first + 3 + axis]];
-                    }
-                    Role::Pinned => found.turns[vertex][axis] = values[[0, first + axis]],
-                    Role::Fixed | Role::Body(_) | Role::Floating => {}
+            match role {
+                Role::Free => {
+                    each(first, &mut field.moves[vertex]);
+                    each(first + 3, &mut field.turns[vertex]);
                 }
+                Role::Pinned => each(first, &mut field.turns[vertex]),
+                Role::Fixed | Role::Body(_) | Role::Floating => {}
             }
         }
-        for (body, turn) in found.bodies.iter_mut().enumerate() {
-            let first = self.matrix.nodes[self.first_body + body].first;
-            for axis in 0..3 {
-                turn[axis] = values[[0, first + axis]];
-            }
+        for (body, turn) in field.bodies.iter_mut().enumerate() {
+            each(self.matrix.nodes[self.first_body + body].first, turn);
         }
-        found
     }
 }

@@ -22,17 +22,27 @@ const SPIN: f64 = 4.0 / 3.0;
 
 /// The diagonal blocks of the Gauss–Newton matrix.
 pub(super) struct Smoother {
-    moves: LinearSolver,
-    turns: LinearSolver,
+    moves: Block,
+    turns: Block,
+}
+
+/// One of them.
+struct Block {
+    solver: LinearSolver,
+    /// Whether the row of each vertex is that of the identity, V.
+    held: Vec<bool>,
+    /// Entries of the pattern that couple a held vertex with another, and that other if it is free.
+    cut: Vec<(u32, Option<u32>)>,
 }
 
 impl Smoother {
     pub fn new(model: &Model, stage: Stage) -> Result<Self> {
         model.operators.prepare_edges(stage)?;
-        let solver = || model.operators.solver(Solver::Auto, DEMAND, stage);
+        let moves = |role: &Role| *role == Role::Free;
+        let turns = |role: &Role| matches!(role, Role::Free | Role::Pinned);
         Ok(Self {
-            moves: solver()?,
-            turns: solver()?,
+            moves: Block::new(model, moves, stage)?,
+            turns: Block::new(model, turns, stage)?,
         })
     }
 
@@ -41,10 +51,8 @@ impl Smoother {
     /// # Errors
     /// [`crate::Error::Solver`] or [`crate::Error::Cancelled`].
     pub fn set_moves(&mut self, linearized: &Linearized, stage: Stage) -> Result<()> {
-        let model = linearized.model;
-        let is_held = |vertex: usize| model.roles[vertex] != Role::Free;
         let diagonal = |vertex: usize| linearized.diagonal(vertex);
-        set(&mut self.moves, linearized, 1.0, is_held, diagonal, stage)
+        self.moves.set(linearized, 1.0, diagonal, stage)
     }
 
     /// Takes the block of turns.
@@ -53,7 +61,6 @@ impl Smoother {
     /// As [`Self::set_moves`].
     pub fn set_turns(&mut self, linearized: &Linearized, stage: Stage) -> Result<()> {
         let model = linearized.model;
-        let is_held = |vertex: usize| !matches!(model.roles[vertex], Role::Free | Role::Pinned);
         let mut masses = vec![0.0; model.rest.len()];
         for (corners, face) in model
             .operators
@@ -72,14 +79,7 @@ impl Smoother {
             mass if mass > 0.0 => mass,
             _ => 1.0,
         };
-        set(
-            &mut self.turns,
-            linearized,
-            stiffness,
-            is_held,
-            diagonal,
-            stage,
-        )
+        self.turns.set(linearized, stiffness, diagonal, stage)
     }
 
     /// Movements that answer the forces `field`, turns staying.
@@ -87,7 +87,7 @@ impl Smoother {
     /// # Errors
     /// As [`Self::set_moves`].
     pub fn moves(&mut self, field: &[Vector3<f64>], stage: Stage) -> Result<Vec<Vector3<f64>>> {
-        solved(&mut self.moves, field, stage)
+        self.moves.solved(field, stage)
     }
 
     /// Turns that answer the torques `field`, movements staying.
@@ -95,7 +95,7 @@ impl Smoother {
     /// # Errors
     /// As [`Self::set_moves`].
     pub fn turns(&mut self, field: &[Vector3<f64>], stage: Stage) -> Result<Vec<Vector3<f64>>> {
-        solved(&mut self.turns, field, stage)
+        self.turns.solved(field, stage)
     }
 
     /// Both, for what moves freely; bodies stay.
@@ -111,67 +111,62 @@ impl Smoother {
     }
 }
 
-/// Takes diag + `scale` L(w), with the rows of held vertices those of the identity.
-fn set(
-    solver: &mut LinearSolver,
-    linearized: &Linearized,
-    scale: f64,
-    is_held: impl Fn(usize) -> bool,
-    diagonal: impl Fn(usize) -> f64,
-    stage: Stage,
-) -> Result<()> {
-    let model = linearized.model;
-    let operators = &model.operators;
-    let areas = operators.gradient().face_areas().iter();
-    let weights: Vec<f64> = linearized
-        .faces
-        .iter()
-        .zip(areas)
-        .enumerate()
-        .map(|(place, (face, &area))| match area > 0.0 {
-            true => scale * linearized.crushing(place) * face.weight / area,
-            false => 0.0,
-        })
-        .collect();
-    let mut couplings = operators.edges().couplings(&weights);
-    let count = model.rest.len();
-    let mut masses: Vec<f64> = (0..count)
-        .map(|vertex| {
-            if is_held(vertex) {
-                1.0
-            } else {
-                diagonal(vertex)
-            }
-        })
-        .collect();
-    let held: Vec<bool> = (0..count).map(is_held).collect();
-    let pattern = operators.pattern().zeros();
-    for (column, entries) in pattern.outer_iterator().enumerate() {
-        let first = pattern.proper_indptr()[column] as usize;
-        for (place, (row, _)) in entries.iter().enumerate() {
-            if held[row] || held[column] {
-                let coupling = std::mem::take(&mut couplings[first + place]);
-                if row != column {
-                    for (one, other) in [(row, column), (column, row)] {
-                        if !held[one] && held[other] {
-                            masses[one] += coupling;
-                        }
-                    }
+impl Block {
+    fn new(model: &Model, is_free: impl Fn(&Role) -> bool, stage: Stage) -> Result<Self> {
+        let held: Vec<bool> = model.roles.iter().map(|role| !is_free(role)).collect();
+        let pattern = model.operators.pattern().zeros();
+        let mut cut = Vec::new();
+        let mut entry = 0;
+        for (column, entries) in pattern.outer_iterator().enumerate() {
+            for (row, _) in entries.iter() {
+                if held[row] || held[column] {
+                    let free = [row, column].into_iter().find(|&vertex| !held[vertex]);
+                    cut.push((entry, free.map(|vertex| vertex as u32)));
                 }
+                entry += 1;
             }
         }
+        Ok(Self {
+            solver: model.operators.solver(Solver::Auto, DEMAND, stage)?,
+            held,
+            cut,
+        })
     }
-    solver.set_matrix(&masses, &couplings, 1.0, stage)
-}
 
-fn solved(
-    solver: &mut LinearSolver,
-    field: &[Vector3<f64>],
-    stage: Stage,
-) -> Result<Vec<Vector3<f64>>> {
-    let values = Array2::from_shape_fn((3, field.len()), |(axis, vertex)| field[vertex][axis]);
-    let found = solver.solve(&values, None, TOLERANCE, stage)?;
-    Ok((0..field.len())
-        .map(|vertex| Vector3::from_fn(|axis, _| found[[axis, vertex]]))
-        .collect())
+    /// Takes diag + `scale` L(w), with the rows of held vertices those of the identity.
+    fn set(
+        &mut self,
+        linearized: &Linearized,
+        scale: f64,
+        diagonal: impl Fn(usize) -> f64,
+        stage: Stage,
+    ) -> Result<()> {
+        let operators = &linearized.model.operators;
+        let areas = operators.gradient().face_areas().iter();
+        let faces = linearized.faces.iter().zip(areas).enumerate();
+        let weights: Vec<f64> = faces
+            .map(|(place, (face, &area))| match area > 0.0 {
+                true => scale * linearized.crushing(place) * face.weight / area,
+                false => 0.0,
+            })
+            .collect();
+        let mut couplings = operators.edges().couplings(&weights);
+        let own = |(vertex, &held): (usize, &bool)| if held { 1.0 } else { diagonal(vertex) };
+        let mut masses: Vec<f64> = self.held.iter().enumerate().map(own).collect();
+        for &(entry, free) in &self.cut {
+            let coupling = std::mem::take(&mut couplings[entry as usize]);
+            if let Some(vertex) = free {
+                masses[vertex as usize] += coupling;
+            }
+        }
+        self.solver.set_matrix(&masses, &couplings, 1.0, stage)
+    }
+
+    fn solved(&mut self, field: &[Vector3<f64>], stage: Stage) -> Result<Vec<Vector3<f64>>> {
+        let values = Array2::from_shape_fn((3, field.len()), |(axis, vertex)| field[vertex][axis]);
+        let found = self.solver.solve(&values, None, TOLERANCE, stage)?;
+        Ok((0..field.len())
+            .map(|vertex| Vector3::from_fn(|axis, _| found[[axis, vertex]]))
+            .collect())
+    }
 }
