@@ -156,6 +156,14 @@ pub fn positions(name: &str, value: &Bound<'_, PyAny>) -> Result<Vec<[f64; 3]>, 
     triples(name, &numbers(name, value, NUMBERS, "float64")?)
 }
 
+/// Positions for each of a sequence, (V, 3) numbers each.
+pub fn several_positions(
+    name: &str,
+    values: &[Bound<'_, PyAny>],
+) -> Result<Vec<Vec<[f64; 3]>>, Failure> {
+    values.iter().map(|value| positions(name, value)).collect()
+}
+
 /// Does short `work` on positions, which are read but once.
 pub fn with_positions<T>(
     name: &str,

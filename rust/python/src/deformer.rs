@@ -179,8 +179,7 @@ impl Deformer {
         targets: Vec<Bound<'_, PyAny>>,
         #[pyo3(from_py_with = parameters::tolerance)] tolerance: f64,
     ) -> Result<Job, Failure> {
-        let positions = targets.iter().map(|t| arrays::positions("targets", t));
-        let sequence = positions.collect::<Result<Vec<_>, _>>()?;
+        let sequence = arrays::several_positions("targets", &targets)?;
         let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
         let work = move |stage: Stage| {
             take(stage)?

@@ -237,6 +237,12 @@ impl Stage<'_> {
             to: self.from + width * to,
         }
     }
+
+    /// One of `count` equal parts of this stage, from 0.
+    pub fn part(&self, index: usize, count: usize) -> Self {
+        let end = |index: usize| index as f64 / count as f64;
+        self.stage(end(index), end(index + 1))
+    }
 }
 
 #[cfg(test)]

@@ -254,9 +254,8 @@ impl Deformer {
         stage: Stage,
     ) -> Result<Vec<Deformation>> {
         self.require(sequence.len(), stage)?;
-        let count = sequence.len() as f64;
         let solve = |(index, positions): (usize, &Vec<[f64; 3]>)| {
-            let share = stage.stage(index as f64 / count, (index + 1) as f64 / count);
+            let share = stage.part(index, sequence.len());
             self.solve_with(positions, tolerance, share)
         };
         sequence.iter().enumerate().map(solve).collect()

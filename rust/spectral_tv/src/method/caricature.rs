@@ -118,9 +118,8 @@ pub fn caricature_with(
         &format!("exaggerating shapes of {shapes} vertices"),
         "take fewer steps or shapes, or meshes of fewer vertices",
     )?;
-    let share = 1.0 / meshes.len().max(1) as f64;
     let treat = |(index, mesh): (usize, &&TriangleMesh)| {
-        let stage = stage.stage(share * index as f64, share * (index + 1) as f64);
+        let stage = stage.part(index, meshes.len());
         let split = decompose_with(mesh, settings, stage)?;
         let times = split.component_times().iter();
         let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();

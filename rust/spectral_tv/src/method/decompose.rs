@@ -99,9 +99,8 @@ pub(super) fn run_flows(
     times: &[f64],
     stage: Stage,
 ) -> Result<Trajectory> {
-    let count = flows.len() as f64;
     let run = |(index, Flowed { law, values }): (usize, &Flowed)| {
-        let stage = stage.stage(index as f64 / count, (index + 1) as f64 / count);
+        let stage = stage.part(index, flows.len());
         let stepping = settings.stepping;
         stepping.run_with(operators, &**law, values.clone(), times, stage)
     };

@@ -137,7 +137,7 @@ impl EdgeLaplacian {
 
 /// The places of each of the `count` keys in `keys`, one after the other, and where each key's
 /// begin.
-fn grouped(keys: &[u32], count: usize, stage: Stage) -> Result<(Vec<u32>, Vec<u32>)> {
+pub(crate) fn grouped(keys: &[u32], count: usize, stage: Stage) -> Result<(Vec<u32>, Vec<u32>)> {
     let mut starts = vec![0_u32; count + 1];
     stage.for_each(keys, |&key| starts[key as usize + 1] += 1)?;
     for key in 0..count {

@@ -12,6 +12,7 @@ mod side_by_side;
 mod total_variation;
 
 pub use edge_laplacian::EdgeLaplacian;
+pub(crate) use edge_laplacian::grouped;
 pub use gradient::{FaceVector, Gradient};
 pub use inner_product::{inner_product, squared_norm};
 pub use laplacian::{LaplacianPattern, Neighbour, element_stiffness, pin};

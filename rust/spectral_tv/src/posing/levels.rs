@@ -62,7 +62,7 @@ impl Levels {
             arms: lift.taken(&handles.arms),
             pulled_along: lift.taken(&handles.pulled_along),
             body_count: handles.bodies.len(),
-            corners: Corners::new(decimated.vertices.len(), coarse_mesh.triangles()),
+            corners: Corners::new(decimated.vertices.len(), coarse_mesh.triangles(), stage)?,
             parameters: parameters.coarse(),
         };
         let fine = Model {
@@ -71,7 +71,7 @@ impl Levels {
             arms: handles.arms.clone(),
             pulled_along: handles.pulled_along.clone(),
             body_count: handles.bodies.len(),
-            corners: Corners::new(rest.len(), mesh.triangles()),
+            corners: Corners::new(rest.len(), mesh.triangles(), stage)?,
             parameters,
             rest,
         };

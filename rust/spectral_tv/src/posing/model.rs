@@ -3,6 +3,9 @@
 use nalgebra::{Quaternion, Vector3};
 
 use crate::discretization::Discretization;
+use crate::error::Result;
+use crate::monitor::Stage;
+use crate::operators::grouped;
 use crate::posing::field::Field;
 use crate::posing::settings::Settings;
 use crate::posing::state::{State, rotated, turned};
@@ -199,22 +202,13 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Self {
-        let mut starts = vec![0_u32; vertex_count + 1];
-        for &corner in triangles.as_flattened() {
-            starts[corner as usize + 1] += 1;
-        }
-        for vertex in 0..vertex_count {
-            starts[vertex + 1] += starts[vertex];
-        }
-        let mut next = starts.clone();
-        let mut corners = vec![0; 3 * triangles.len()];
-        for (place, &corner) in triangles.as_flattened().iter().enumerate() {
-            let next = &mut next[corner as usize];
-            corners[*next as usize] = place as u32;
-            *next += 1;
-        }
-        Self { starts, corners }
+    /// Those of `triangles` between so many vertices.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn new(vertex_count: usize, triangles: &[[u32; 3]], stage: Stage) -> Result<Self> {
+        let (starts, corners) = grouped(triangles.as_flattened(), vertex_count, stage)?;
+        Ok(Self { starts, corners })
     }
 
     /// Face and corner of each, in the order of faces.

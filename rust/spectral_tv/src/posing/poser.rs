@@ -210,9 +210,8 @@ impl Poser {
             &format!("posing {vertices} vertices {count} times"),
             "take fewer at a time, or a mesh of fewer vertices",
         )?;
-        let end = |index: usize| index as f64 / count as f64;
         let solve = |(index, positions): (usize, &Vec<[f64; 3]>)| {
-            let share = stage.stage(end(index), end(index + 1));
+            let share = stage.part(index, count);
             self.solve_with(positions, tolerance, share)
         };
         sequence.iter().enumerate().map(solve).collect()

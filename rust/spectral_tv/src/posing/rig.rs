@@ -91,8 +91,7 @@ pub fn rig_with(
     )?;
     let rest: Vec<Vector3<f64>> = mesh.vertices().iter().map(|&p| p.into()).collect();
     let state = state_of(&rest, displacement, rotations);
-    let operators = Discretization::new_with(mesh, stage)?;
-    let model = free(mesh, operators, rest);
+    let model = free(mesh, rest, stage)?;
     let labels = stage.pass(|| labelled(mesh, &model, &state))?;
     let found = labels
         .iter()
@@ -146,17 +145,17 @@ fn state_of(
 }
 
 /// The mesh without handles, with the parameters by which joints are told from pieces.
-fn free(mesh: &TriangleMesh, operators: Discretization, rest: Vec<Vector3<f64>>) -> Model {
-    Model {
+fn free(mesh: &TriangleMesh, rest: Vec<Vector3<f64>>, stage: Stage) -> Result<Model> {
+    Ok(Model {
         roles: vec![Role::Free; rest.len()],
         arms: Vec::new(),
         pulled_along: Vec::new(),
         body_count: 0,
-        corners: Corners::new(rest.len(), mesh.triangles()),
+        corners: Corners::new(rest.len(), mesh.triangles(), stage)?,
         parameters: Parameters::new(&Settings::default(), diagonal(&rest)),
-        operators,
+        operators: Discretization::new_with(mesh, stage)?,
         rest,
-    }
+    })
 }
 
 /// The pieces: connected faces that are hardly strained or turned, the largest first.
