@@ -7,6 +7,7 @@ import spectral_tv
 
 from ..drawing.sidebar import say
 from ..job.operator import Refusing
+from ..scene import listening
 from ..scene.mix import keys_of
 from ..scene.records import bands_shown
 from .guard import Counts, Reference, distortion
@@ -93,7 +94,7 @@ def line(context: bpy.types.Context) -> Line | None:
 
 def count(obj: bpy.types.Object) -> Line:
     """Count now, and remember it."""
-    _listen()
+    listening.listen(_handlers())
     known = _watched.pop(obj.session_uid, None)
     if known is None or known.mesh != obj.data.session_uid:
         known = _Watched(obj)
@@ -132,18 +133,10 @@ class SPECTRAL_TV_OT_count_folds(Refusing, bpy.types.Operator):
 def forget() -> None:
     """Let go of all that is kept, and listen no more."""
     _watched.clear()
-    for handlers, handler in _handlers():
-        if handler in handlers:
-            handlers.remove(handler)
+    listening.ignore(_handlers())
 
 
-def _listen() -> None:
-    for handlers, handler in _handlers():
-        if handler not in handlers:
-            handlers.append(handler)
-
-
-def _handlers() -> list[tuple[list, object]]:
+def _handlers() -> list[listening.Handler]:
     handlers = bpy.app.handlers
     return [
         (handlers.depsgraph_update_post, _notice),

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..scene import listening
 from .constraints import deformation_of
 from .held import Held, Layer, Picked
 
@@ -61,9 +62,7 @@ def forget() -> None:
     _known.clear()
     _picked.clear()
     _moved.clear()
-    for handlers, handler in _handlers():
-        if handler in handlers:
-            handlers.remove(handler)
+    listening.ignore(_handlers())
     if bpy.app.timers.is_registered(redraw):
         bpy.app.timers.unregister(redraw)
 
@@ -198,12 +197,10 @@ def _lifted(
 
 
 def _listen() -> None:
-    for handlers, handler in _handlers():
-        if handler not in handlers:
-            handlers.append(handler)
+    listening.listen(_handlers())
 
 
-def _handlers() -> list[tuple[list, object]]:
+def _handlers() -> list[listening.Handler]:
     handlers = bpy.app.handlers
     return [
         (handlers.depsgraph_update_post, _notice),
