@@ -8,7 +8,7 @@ use crate::posing::levels::Levels;
 use crate::posing::linearized::Linearized;
 use crate::posing::model::Goals;
 use crate::posing::motion::Motion;
-use crate::posing::search::{largest_movement, limited, searched};
+use crate::posing::search::{Reached, largest_movement, limited, searched};
 use crate::posing::state::{State, rotated};
 
 /// Gauss–Newton steps of the coarse mesh in a cycle.
@@ -36,14 +36,13 @@ impl Current {
     }
 
     /// One cycle: the coarse mesh follows the handles, the fine one follows it, and is smoothed.
-    /// Returns the largest movement, length.
     pub fn cycle(
         &mut self,
         levels: &mut Levels,
         handles: &Handles,
         targets: &[[f64; 3]],
         stage: Stage,
-    ) -> Result<f64> {
+    ) -> Result<Reached> {
         let (goals, motion) = handles.goals(targets)?;
         let before = levels.lift.injected(&self.state);
         // What the coarse gradient lacks, so that a stationary fine pose stays (Nash 2000, "A
@@ -83,14 +82,14 @@ impl Current {
             let along = lack.dot(&direction);
             let (model, goals) = (&levels.coarse, &coarse_goals);
             let state = coarse.clone();
-            let (length, next) = searched(limit, slope, value, |length| {
+            let found = searched(limit, slope, value, |length| {
                 let next = model.moved(&state, &expanded, length, goals);
                 let value = model.value(&next, goals) + length * along;
                 (value, next)
             });
-            if length == 0.0 {
+            let Some((next, _)) = found else {
                 break;
-            }
+            };
             coarse = next;
         }
         let mut fine = self.state.clone();
@@ -100,13 +99,17 @@ impl Current {
         let last = std::mem::replace(&mut self.state, fine);
         (self.goals, self.motion) = (goals, motion);
         self.targets = Some(targets.to_vec());
-        self.smooth(levels, stage)?;
-        Ok(largest_movement(&last, &self.state))
+        let energy = self.smooth(levels, stage)?;
+        Ok(Reached {
+            movement: largest_movement(&last, &self.state),
+            energy,
+        })
     }
 
-    /// Positions, then rotations, by themselves.
-    fn smooth(&mut self, levels: &mut Levels, stage: Stage) -> Result<()> {
+    /// Positions, then rotations, by themselves. Returns E, length².
+    fn smooth(&mut self, levels: &mut Levels, stage: Stage) -> Result<f64> {
         let (fine, goals) = (&levels.fine, &self.goals);
+        let mut energy = 0.0;
         for is_turning in [false, true] {
             stage.check()?;
             let linearized = Linearized::new(fine, &self.state, goals);
@@ -124,16 +127,16 @@ impl Current {
             }
             let direction = direction.reversed();
             let slope = linearized.gradient.dot(&direction);
-            let value = linearized.value;
             let state = &self.state;
-            let (length, next) = searched(limited(&direction), slope, value, |length| {
+            energy = linearized.value;
+            let found = searched(limited(&direction), slope, energy, |length| {
                 let next = fine.moved(state, &direction, length, goals);
                 (fine.value(&next, goals), next)
             });
-            if length > 0.0 {
-                self.state = next;
+            if let Some((next, value)) = found {
+                (self.state, energy) = (next, value);
             }
         }
-        Ok(())
+        Ok(energy)
     }
 }

@@ -7,7 +7,7 @@ use crate::posing::current::Current;
 use crate::posing::field::Field;
 use crate::posing::levels::Levels;
 use crate::posing::linearized::Linearized;
-use crate::posing::search::{largest_movement, limited, searched};
+use crate::posing::search::{Reached, largest_movement, limited, searched};
 
 const MOST_ITERATIONS: usize = 60;
 /// Of the residual, in the norm of the preconditioner.
@@ -19,13 +19,13 @@ const NOTHING: f64 = 0.01;
 
 impl Current {
     /// A Gauss–Newton step of the fine mesh by preconditioned conjugate gradients. Returns the
-    /// decrement of the state it started from, and the largest movement.
+    /// decrement of the state it started from, and what it came to.
     pub fn newton(
         &mut self,
         levels: &mut Levels,
         tolerance: f64,
         stage: Stage,
-    ) -> Result<(f64, f64)> {
+    ) -> Result<(f64, Reached)> {
         let fine = &levels.fine;
         let linearized = Linearized::new(fine, &self.state, &self.goals);
         levels.smoother.set_moves(&linearized, stage)?;
@@ -77,23 +77,25 @@ impl Current {
         let slope = linearized.gradient.dot(&direction);
         let rounding = ROUNDING * fine.parameters.unmoved;
         let decrement = -0.5 * slope / value.max(rounding);
+        let stays = Reached {
+            movement: 0.0,
+            energy: value,
+        };
         if decrement <= NOTHING * tolerance {
-            return Ok((decrement.max(0.0), 0.0));
+            return Ok((decrement.max(0.0), stays));
         }
         let mut expanded = direction.clone();
         fine.expand(&self.state, &mut expanded);
         let (state, goals) = (&self.state, &self.goals);
-        let (length, next) = searched(limited(&direction), slope, value, |length| {
+        let found = searched(limited(&direction), slope, value, |length| {
             let next = fine.moved(state, &expanded, length, goals);
             (fine.value(&next, goals), next)
         });
-        let movement = match length > 0.0 {
-            true => largest_movement(state, &next),
-            false => 0.0,
+        let Some((next, energy)) = found else {
+            return Ok((decrement, stays));
         };
-        if length > 0.0 {
-            self.state = next;
-        }
-        Ok((decrement, movement))
+        let movement = largest_movement(state, &next);
+        self.state = next;
+        Ok((decrement, Reached { movement, energy }))
     }
 }

@@ -14,6 +14,7 @@ use crate::posing::handles::Handles;
 use crate::posing::levels::Levels;
 use crate::posing::model::Parameters;
 use crate::posing::outcome::Pose;
+use crate::posing::search::Reached;
 use crate::posing::settings::Settings;
 use crate::posing::state::{Snapshot, State, quaternions};
 
@@ -117,11 +118,11 @@ impl Poser {
     /// vertex differ, or a system cannot be solved.
     pub fn drag(&mut self, positions: &[[f64; 3]]) -> Result<Pose> {
         let monitor = Monitor::new();
-        let movement = self.cycle(positions, monitor.whole())?;
-        Ok(self.outcome(None, movement, 1))
+        let reached = self.cycle(positions, monitor.whole())?;
+        Ok(self.outcome(None, reached, 1))
     }
 
-    fn cycle(&mut self, positions: &[[f64; 3]], stage: Stage) -> Result<f64> {
+    fn cycle(&mut self, positions: &[[f64; 3]], stage: Stage) -> Result<Reached> {
         let (handles, levels) = (&self.handles, &mut self.levels);
         self.current.cycle(levels, handles, positions, stage)
     }
@@ -147,36 +148,34 @@ impl Poser {
     ) -> Result<Pose> {
         check_tolerance(tolerance)?;
         let mut iterations = 0;
-        let mut movement = f64::INFINITY;
-        let mut energy = f64::INFINITY;
         let mut left = 1.0;
-        while movement > NEAR * self.handles.diagonal() && iterations < MOST_CYCLES {
-            movement = self.cycle(positions, stage)?;
+        let mut reached = Reached {
+            movement: f64::INFINITY,
+            energy: f64::INFINITY,
+        };
+        while reached.movement > NEAR * self.handles.diagonal() && iterations < MOST_CYCLES {
+            let before = reached.energy;
+            reached = self.cycle(positions, stage)?;
             iterations += 1;
             left *= PROGRESS;
             stage.report(1.0 - left)?;
-            let next = self
-                .levels
-                .fine
-                .value(&self.current.state, &self.current.goals);
-            if next > WORTH_IT * energy {
+            if reached.energy > WORTH_IT * before {
                 break;
             }
-            energy = next;
         }
         let mut decrement = f64::INFINITY;
         for _ in 0..MOST_NEWTON {
-            (decrement, movement) = self.current.newton(&mut self.levels, tolerance, stage)?;
+            (decrement, reached) = self.current.newton(&mut self.levels, tolerance, stage)?;
             iterations += 1;
             left *= PROGRESS;
             stage.report(1.0 - left)?;
             // No step helps where corners of a face are half a turn apart: either way is as short.
-            if decrement <= tolerance || movement == 0.0 {
+            if decrement <= tolerance || reached.movement == 0.0 {
                 break;
             }
         }
         stage.report(1.0)?;
-        Ok(self.outcome(Some(decrement), movement, iterations))
+        Ok(self.outcome(Some(decrement), reached, iterations))
     }
 
     /// Stationary poses for a sequence of targets, each starting from the one before.
@@ -217,7 +216,7 @@ impl Poser {
         sequence.iter().enumerate().map(solve).collect()
     }
 
-    fn outcome(&self, decrement: Option<f64>, movement: f64, iterations: usize) -> Pose {
+    fn outcome(&self, decrement: Option<f64>, reached: Reached, iterations: usize) -> Pose {
         let rest = &self.levels.fine.rest;
         let state = &self.current.state;
         let mut displacement = Array2::from_shape_fn((3, rest.len()), |(axis, vertex)| {
@@ -231,9 +230,9 @@ impl Poser {
         Pose {
             displacement,
             rotations: quaternions(&rotations),
-            energy: self.levels.fine.value(state, &self.current.goals),
+            energy: reached.energy,
             decrement,
-            movement,
+            movement: reached.movement,
             iterations,
         }
     }

@@ -24,26 +24,33 @@ pub(super) fn limited(direction: &Field) -> f64 {
     }
 }
 
-/// Halves a step until it decreases the value; 0 if none does.
+/// What a step of a cycle, or of Newton's method, has come to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reached {
+    /// The largest movement of a vertex, length.
+    pub movement: f64,
+    /// E, length².
+    pub energy: f64,
+}
+
+/// Halves a step until it decreases the value: the state it leads to, and its value; `None` if none
+/// does.
 pub(super) fn searched(
     first: f64,
     slope: f64,
     value: f64,
     at: impl Fn(f64) -> (f64, State),
-) -> (f64, State) {
+) -> Option<(State, f64)> {
     let mut length = first;
     let (mut found, mut state) = at(length);
     for _ in 0..HALVINGS {
         if found <= value + ENOUGH * length * slope {
-            return (length, state);
+            return Some((state, found));
         }
         length *= 0.5;
         (found, state) = at(length);
     }
-    match found < value {
-        true => (length, state),
-        false => (0.0, state),
-    }
+    (found < value).then_some((state, found))
 }
 
 /// The largest movement of a vertex between two states, length.
