@@ -7,12 +7,8 @@ import time
 import numpy as np
 import pytest
 import spectral_tv
-from shapes import ends, icosphere
-
-VERTICES, TRIANGLES = icosphere(2)
-INDICES = np.concatenate(ends(VERTICES))
-TARGETS = VERTICES[INDICES] + (VERTICES[INDICES, 2:] > 0) * [0.5, 0.0, 0.2]
-COUNT = len(INDICES)
+from pulled_sphere import COUNT, INDICES, TARGETS, TRIANGLES, VERTICES, changed
+from pulled_sphere import large as large_sphere
 
 
 @pytest.fixture(scope="module")
@@ -22,17 +18,7 @@ def mesh():
 
 @pytest.fixture(scope="module")
 def large():
-    """A mesh on which solving takes a while, with its constraints and their targets."""
-    vertices, triangles = icosphere(5)
-    indices = np.concatenate(ends(vertices))
-    targets = vertices[indices] + (vertices[indices, 2:] > 0) * [0.5, 0.0, 0.2]
-    return spectral_tv.Mesh(vertices, triangles), indices, targets
-
-
-def changed(array, index, value):
-    array = array.copy()
-    array[index] = value
-    return array
+    return large_sphere()
 
 
 BAD_CONSTRAINTS = {

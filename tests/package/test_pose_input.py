@@ -8,13 +8,9 @@ import time
 import numpy as np
 import pytest
 import spectral_tv
-from shapes import ends, icosphere
+from pulled_sphere import COUNT, HIGH, INDICES, LOW, TARGETS, TRIANGLES, VERTICES, changed
+from pulled_sphere import large as large_sphere
 
-VERTICES, TRIANGLES = icosphere(2)
-LOW, HIGH = ends(VERTICES)
-INDICES = np.r_[LOW, HIGH]
-TARGETS = VERTICES[INDICES] + (VERTICES[INDICES, 2:] > 0) * [0.5, 0.0, 0.2]
-COUNT = len(INDICES)
 BODIES = np.repeat([-1, 0], [len(LOW), len(HIGH)])
 
 
@@ -25,17 +21,7 @@ def mesh():
 
 @pytest.fixture(scope="module")
 def large():
-    """A mesh on which solving takes a while, with its constraints and their targets."""
-    vertices, triangles = icosphere(5)
-    indices = np.concatenate(ends(vertices))
-    targets = vertices[indices] + (vertices[indices, 2:] > 0) * [0.5, 0.0, 0.2]
-    return spectral_tv.Mesh(vertices, triangles), indices, targets
-
-
-def changed(array, index, value):
-    array = array.copy()
-    array[index] = value
-    return array
+    return large_sphere()
 
 
 BAD_HANDLES = {
