@@ -36,17 +36,17 @@ use crate::shape::Shape;
 ///     rigid body that turns freely: its centre, the mean of its vertices, goes to the mean of
 ///     their targets.
 /// joint_softness : float
-///     How wide and soft joints are, 0 or more; 0 folds them as sharply as the mesh allows.
+///     How wide and soft joints are, from 0 to 1e6; 0 folds them as sharply as the mesh allows.
 /// stiffness : float
-///     What turning costs, as a length relative to the diagonal of the bounding box, 0 or more.
+///     What turning costs, as a length relative to the diagonal of the bounding box, from 0 to 1e6.
 /// stillness : float
-///     What moving away from rest costs, 0 or more.
+///     What moving away from rest costs, from 0 to 1e6.
 ///
 /// Raises
 /// ------
 /// MeshError
-///     If there are no constraints, one is out of range, a weight is not in (0, 1], no vertex is
-///     left to move, a body is below -1, a vertex is in two bodies, or a parameter is negative.
+///     If there are no constraints, one is out of range, or no vertex is left to move. If a weight
+///     or a parameter is out of its range, a body is below -1, or a vertex is in two bodies.
 /// MemoryError
 ///     If the work takes more than is available, before it starts.
 #[pyclass(frozen, module = "spectral_tv")]
@@ -108,7 +108,7 @@ impl Poser {
     /// Raises
     /// ------
     /// MeshError
-    ///     If one is negative or not finite; all then stay as they are.
+    ///     If one is out of its range; all then stay as they are.
     #[pyo3(signature = (joint_softness = None, stiffness = None, stillness = None))]
     fn set_parameters(
         &self,

@@ -39,7 +39,7 @@ impl Poser {
     /// Prepares `mesh` for posing.
     ///
     /// # Errors
-    /// If a parameter is negative or not finite, or memory does not suffice.
+    /// If a parameter is not in 0 to 1e6, or memory does not suffice.
     pub fn new(mesh: &TriangleMesh, handles: Handles, settings: Settings) -> Result<Self> {
         Self::new_with(mesh, handles, settings, Monitor::new().whole())
     }
@@ -70,7 +70,7 @@ impl Poser {
     /// Takes other parameters; the pose stays until the next step.
     ///
     /// # Errors
-    /// If a parameter is negative or not finite.
+    /// If a parameter is not in 0 to 1e6.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.check()?;
         let parameters = Parameters::new(&settings, self.handles.diagonal());
