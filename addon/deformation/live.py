@@ -27,6 +27,8 @@ MOST_ROUGH = 20
 # Seconds between two looks at weights and vertices, and the least in terms of what a look takes.
 LOOK = 0.25
 LOOK_SHARE = 20
+# Seconds between two looks at what runs in the background, where one waits for it.
+WAIT = 1e-3
 
 
 class LiveDeformation:
@@ -39,6 +41,7 @@ class LiveDeformation:
         """Read ``obj``; raises Refusal or spectral_tv.MeshError if it cannot be deformed."""
         self._name = obj.name
         self._counts = _counts(obj)
+        self._preparation: Steps[None] | None = None
         self._job: spectral_tv.Job | None = None
         self._check: Steps[Contact] | None = None
         self._is_shown = False
@@ -69,19 +72,25 @@ class LiveDeformation:
         self.problem = ""
         return self._follow(obj, targets)
 
+    @property
+    def preparation(self) -> float | None:
+        """The fraction done of what has to be prepared before it follows; None once it is."""
+        return None if self._preparation is None else self._preparation.progress
+
     def settle(self) -> None:
         """Work the exact answer out and wait for it; raises Refusal if something is wrong."""
         while not self.is_settled or self._check is not None:
             self.update()
             if self.problem:
                 raise Refusal(self.problem)
+            time.sleep(WAIT)
 
     def stop(self) -> None:
         """Stop what runs in the background."""
-        for job in (self._job, self._check):
+        for job in (self._preparation, self._job, self._check):
             if job is not None:
                 job.cancel()
-        self._job, self._check, self.is_settled = None, None, False
+        self._preparation, self._job, self._check, self.is_settled = None, None, None, False
 
     def _read(self, obj: bpy.types.Object) -> None:
         """Read all of the object anew; what was read stays unknown if it cannot be used."""
@@ -103,7 +112,8 @@ class LiveDeformation:
         if self._deformable is None or in_force(settings) == in_force(self._settings):
             return
         self.stop()
-        if settings.algorithm == self._settings.algorithm and self._follower.take(settings):
+        is_same = settings.algorithm == self._settings.algorithm and self._follower.is_ready
+        if is_same and self._follower.take(settings):
             self._settings, self._targets = settings, None
         else:
             self._read(obj)
@@ -139,6 +149,8 @@ class LiveDeformation:
             )
 
     def _follow(self, obj: bpy.types.Object, targets: np.ndarray) -> bool:
+        if not self._follower.is_ready and not self._is_prepared():
+            return False
         if self._targets is None or not np.array_equal(targets, self._targets):
             self.stop()
             self._targets, self._rough = targets, 0
@@ -156,6 +168,16 @@ class LiveDeformation:
         self._write(obj, result)
         self._job, self.is_settled = None, True
         self._check = self._follower.start_check(result)
+        return True
+
+    def _is_prepared(self) -> bool:
+        """Whether the follower is ready; starts to prepare it."""
+        if self._preparation is None:
+            self._preparation = self._follower.prepare()
+        if not self._preparation.done:
+            return False
+        preparation, self._preparation = self._preparation, None
+        preparation.result()
         return True
 
     def _look_at_check(self) -> None:

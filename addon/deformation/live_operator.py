@@ -24,6 +24,8 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
     running: "SPECTRAL_TV_OT_deform_live | None" = None
     # Why it waits for the user, in a sentence; empty while it follows.
     problem = ""
+    # The fraction done of what it prepares; None while it follows.
+    preparation: float | None = None
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
@@ -72,6 +74,9 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
                 self.report({"WARNING"}, f"{self.object_name}: no longer live: {error}")
                 return {"FINISHED"}
             self._tell(notes)
+            if self._live.preparation != self.preparation:
+                self.preparation = self._live.preparation
+                redraw_sidebars(context)
             if self._live.problem != self.problem:
                 self.problem = self._live.problem
                 if self.problem:

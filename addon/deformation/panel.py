@@ -68,7 +68,7 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
         else:  # a handle is being dragged
             text = f"End Live of {SPECTRAL_TV_OT_deform_live.running.object_name}"
             draw_button(layout, SPECTRAL_TV_OT_deform_live, "PAUSE", text=text)
-            self._draw_problem(layout, context)
+            self._draw_state(layout, context)
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
@@ -92,7 +92,7 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
             if reason == shared_refusal(obj):
                 single = layout.operator("object.make_single_user", icon="DUPLICATE")
                 single.object = single.obdata = True
-        self._draw_problem(layout, context)
+        self._draw_state(layout, context)
         draw_fault(layout, context)
         row = layout.row(align=True)
         row.scale_y = 1.4
@@ -104,9 +104,12 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
         )
 
     @staticmethod
-    def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-        """Draw what Live waits for."""
+    def _draw_state(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw what Live prepares, or waits for."""
         live = SPECTRAL_TV_OT_deform_live.running
+        if live is not None and live.preparation is not None:
+            done = live.preparation
+            layout.progress(text=f"Preparing ({done:.0%})", factor=done)
         if live is not None and live.problem:
             say(layout, context, f"Waiting: {live.problem}", "ERROR")
 

@@ -96,6 +96,13 @@ class Deformer:
         weights: ArrayLike | None = None,
         softness: float = 0.0,
     ) -> Deformer: ...
+    @staticmethod
+    def start(
+        mesh: Mesh,
+        indices: ArrayLike,
+        weights: ArrayLike | None = None,
+        softness: float = 0.0,
+    ) -> Job[Deformer]: ...
     def drag(self, targets: ArrayLike) -> Deformation: ...
     def solve(
         self, targets: ArrayLike, tolerance: float = 1e-3, progress: Progress | None = None
@@ -123,6 +130,16 @@ class Poser:
         stiffness: float = 0.03,
         stillness: float = 0.5,
     ) -> Poser: ...
+    @staticmethod
+    def start(
+        mesh: Mesh,
+        indices: ArrayLike,
+        weights: ArrayLike | None = None,
+        bodies: ArrayLike | None = None,
+        joint_softness: float = 1.0,
+        stiffness: float = 0.03,
+        stillness: float = 0.5,
+    ) -> Job[Poser]: ...
     @property
     def joint_softness(self) -> float: ...
     @property

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import time
+from importlib import import_module
+
 import bpy
 import numpy as np
 from ball import object_of
+from conftest import MODULE
 from shapes import dumbbell
 
 
@@ -76,3 +80,17 @@ def armature() -> tuple[bpy.types.Object, bpy.types.PoseBone]:
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.objects.active = active
     return rig, rig.pose.bones["Neck"]
+
+
+def live_of(obj: bpy.types.Object):
+    """What follows the handles of an object."""
+    return import_module(f"{MODULE}.deformation.live").LiveDeformation(obj)
+
+
+def update(live) -> bool:
+    """Have it look, once it is prepared; whether the shape changed."""
+    is_changed = live.update()
+    while live.preparation is not None:
+        time.sleep(0.01)
+        is_changed = live.update()
+    return is_changed

@@ -9,7 +9,17 @@ import bpy
 import numpy as np
 import pytest
 from conftest import MODULE
-from deform_scene import constrain, empty, evaluated, group, handle, key_positions, members
+from deform_scene import (
+    constrain,
+    empty,
+    evaluated,
+    group,
+    handle,
+    key_positions,
+    live_of,
+    members,
+    update,
+)
 from mathutils import Vector
 
 LOOK = 0.3  # seconds after which weights have been looked at again
@@ -22,10 +32,6 @@ def limbs(held):
     group(held, "Side", np.flatnonzero((basis[:, 0] > 0.97) & (basis[:, 2] > 0)))
     constrain(held, "Side", "OBJECT", target=empty((1, 0, 1)))
     return held
-
-
-def live_of(obj):
-    return import_module(f"{MODULE}.deformation.live").LiveDeformation(obj)
 
 
 def refusal():
@@ -45,7 +51,7 @@ def drag(live, obj, *places: float) -> None:
     for target, y in zip(handles, places, strict=True):
         target.location.y = y
     bpy.context.view_layer.update()
-    live.update()
+    update(live)
 
 
 def test_a_constraint_that_is_removed_leaves_the_others_theirs(limbs):
@@ -89,25 +95,25 @@ def test_what_a_constraint_is_may_change(limbs):
     drag(live, limbs, 0.2, 0.4)
     _, head, side = limbs.spectral_tv.constraints
     side.kind = "PIN"
-    live.update()
+    update(live)
     np.testing.assert_allclose(offset(limbs, "Side"), 0, atol=1e-5)
     head.vertex_group, side.vertex_group = "Side", "Head"
-    live.update()
+    update(live)
     np.testing.assert_allclose(offset(limbs, "Side"), (0, 0.2, 0), atol=1e-5)
     np.testing.assert_allclose(offset(limbs, "Head"), 0, atol=1e-5)
     head.target = empty((3, 0, 0))
     head.target.location.y = 0.7
-    live.update()
+    update(live)
     np.testing.assert_allclose(offset(limbs, "Side"), (0, 0.7, 0), atol=1e-5)
     head.set_rest()
-    live.update()
+    update(live)
     np.testing.assert_allclose(offset(limbs, "Side"), 0, atol=1e-5)
     side.kind = "KEY"
     side.shape_key = "Smile"
     limbs.shape_key_add(name="Smile", from_mix=False).value = 0
     for point in limbs.data.shape_keys.key_blocks["Smile"].data:
         point.co.z += 0.3
-    live.update()
+    update(live)
     np.testing.assert_allclose(offset(limbs, "Head"), (0, 0, 0.3), atol=1e-5)
 
 
@@ -119,7 +125,7 @@ def test_weights_that_are_painted_act(limbs):
     indices = [int(index) for index in members(limbs, "Head")]
     limbs.vertex_groups["Head"].add(indices, 0.01, "REPLACE")
     time.sleep(LOOK)
-    assert live.update()
+    assert update(live)
     live.settle()
     moved = (key_positions(limbs) - key_positions(limbs, "Basis"))[members(limbs, "Head"), 1]
     assert moved.min() < 0.45
@@ -132,7 +138,7 @@ def test_softness_acts_at_once(held):
     stretched = []
     for softness in (5, 60):
         held.spectral_tv.softness = softness
-        live.update()
+        update(live)
         live.settle()
         moved = (key_positions(held) - key_positions(held, "Basis"))[:, 1]
         between = (moved > 0.02) & (moved < 0.48)
@@ -142,12 +148,12 @@ def test_softness_acts_at_once(held):
 
 def test_another_algorithm_ends_it_and_is_told(held):
     live = live_of(held)
-    live.update()
+    update(live)
     held.spectral_tv.algorithm = "ARAP"
     with pytest.raises(
         refusal(), match="Live and Bake Animation need the algorithm Pose or Total Variation"
     ):
-        live.update()
+        update(live)
 
 
 def test_a_shape_that_is_sculpted_is_read_anew(held):
@@ -158,7 +164,7 @@ def test_a_shape_that_is_sculpted_is_read_anew(held):
     for point in basis.data:
         point.co.z *= 2
     time.sleep(LOOK)
-    assert live.update()
+    assert update(live)
     np.testing.assert_allclose(offset(held, "Head"), (0, 0.5, 0), atol=1e-5)
 
 
@@ -169,7 +175,7 @@ def test_an_object_that_is_scaled_is_measured_anew(held):
     held.scale = (1, 1, 3)
     held.rotation_euler.x = 0.5
     bpy.context.view_layer.update()
-    assert live.update()
+    assert update(live)
     live.settle()
     settled = key_positions(held)
     bpy.ops.spectral_tv.deform()
@@ -185,7 +191,7 @@ def test_it_waits_while_something_is_wrong_and_tells_what(limbs):
 
     def assert_waits(problem: str) -> None:
         for _ in range(2):
-            assert not live.update()
+            assert not update(live)
             assert problem in live.problem
         np.testing.assert_array_equal(key_positions(limbs), before)
 
@@ -200,19 +206,19 @@ def test_it_waits_while_something_is_wrong_and_tells_what(limbs):
     target.hide_viewport = False
     bpy.context.view_layer.update()
     time.sleep(LOOK)
-    assert live.update()
+    assert update(live)
     assert live.problem == ""
     target.hide_set(True)  # by the eye: Blender moves it
     target.location.x += 0.1
     bpy.context.view_layer.update()
-    assert live.update()
+    assert update(live)
     for collection in target.users_collection:
         collection.objects.unlink(target)
     before = key_positions(limbs)
     assert_waits("the object 'Handle.001' that moves 'Side' was deleted")
     bpy.context.scene.collection.objects.link(target)
     target.location.x += 0.1
-    live.update()
+    update(live)
     assert live.problem == ""
     assert offset(limbs, "Side")[0] == pytest.approx(0.2, abs=1e-5)
 
@@ -231,7 +237,7 @@ def test_it_is_seen_alone_from_the_start_and_may_be_muted_then(held):
     bpy.ops.spectral_tv.bake_deformation(frame_start=1, frame_end=9, step=4)
     bpy.context.scene.frame_set(3)
     live = live_of(held)
-    live.update()
+    update(live)
     live.settle()
     head = members(held, "Head")
     seen = evaluated(held)[head, 0] - key_positions(held, "Basis")[head, 0]
@@ -239,6 +245,6 @@ def test_it_is_seen_alone_from_the_start_and_may_be_muted_then(held):
     key.mute = True
     handle(held).location += Vector((0, 0.1, 0))
     bpy.context.view_layer.update()
-    assert live.update()
+    assert update(live)
     assert key.mute
     bpy.context.scene.frame_set(1)

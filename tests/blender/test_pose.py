@@ -19,7 +19,9 @@ from deform_scene import (
     group,
     handle,
     key_positions,
+    live_of,
     members,
+    update,
 )
 from mathutils import Euler, Vector
 
@@ -61,10 +63,6 @@ def misfit(obj, vertices) -> float:
     before, after = (key_positions(obj, name)[vertices] for name in ("Basis", "Deformation"))
     one, other = (points - points.mean(axis=0) for points in (before, after))
     return float(np.abs(other - one @ rotation(obj, vertices).T).max())
-
-
-def live_of(obj):
-    return import_module(f"{MODULE}.deformation.live").LiveDeformation(obj)
 
 
 def test_it_is_the_first_choice():
@@ -251,7 +249,7 @@ def test_live_follows_and_settles_at_the_pose(held):
     head = members(held, "Head")
     for step in range(1, 11):
         move(held, 0.1, 0, -0.05)
-        assert live.update()
+        assert update(live)
         shift = (key_positions(held) - key_positions(held, "Basis"))[head].mean(axis=0)
         np.testing.assert_allclose(shift, (0.1 * step, 0, -0.05 * step), atol=1e-5)
     live.settle()
@@ -279,7 +277,7 @@ def test_parameters_act_at_once_in_live_without_reading_anew(held, monkeypatch, 
 
     monkeypatch.setattr(deform, "follower_of", read)
     setattr(held.spectral_tv, name, 4)
-    assert live.update()
+    assert update(live)
     assert np.abs(key_positions(held) - before).max() > 1e-4
     live.settle()
     settled = key_positions(held)
@@ -297,13 +295,13 @@ def test_what_turns_and_the_algorithm_may_change_while_live(held):
     head = members(held, "Head")
     assert degrees(rotation(held, head)) < 1
     held.spectral_tv.constraints[1].turns = True
-    assert live.update()
+    assert update(live)
     assert degrees(rotation(held, head)) == pytest.approx(math.degrees(0.5), abs=0.01)
     upper = key_positions(held, "Basis")[:, 2] > 0.6
     live.settle()
     assert degrees(rotation(held, upper)) > 20
     held.spectral_tv.algorithm = "CONVEX"
-    assert live.update()
+    assert update(live)
     live.settle()
     below = (key_positions(held, "Basis")[:, 2] > 0.8) & (key_positions(held, "Basis")[:, 2] < 1.7)
     assert degrees(rotation(held, below)) < 10

@@ -28,6 +28,8 @@ JOBS = {
     "pose": lambda: spectral_tv.start_pose(
         MESH, [0, 1, 9], 2 * MESH.vertices[[0, 5, 9]], tolerance=1e-12
     ),
+    "deformer": lambda: spectral_tv.Deformer.start(MESH, [0, 1, 9]),
+    "poser": lambda: spectral_tv.Poser.start(MESH, [0, 1, 9]),
     "safe displacement": lambda: spectral_tv.start_safe_displacement(MESH, WILD),
     "self-intersections": lambda: spectral_tv.start_self_intersections(MESH, WILD),
     "accuracy": lambda: spectral_tv.start_accuracy(MESH, steps=[64, 128]),

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 import spectral_tv
+from pulled_sphere import large
 from shapes import icosphere
 
 
@@ -121,3 +122,18 @@ def test_a_forgotten_job_does_not_keep_python_alive():
 def test_results_do_not_depend_on_the_run(mesh):
     first, second = (spectral_tv.decompose(mesh, steps=10).residual for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize("kind", [spectral_tv.Deformer, spectral_tv.Poser])
+def test_what_is_kept_between_calls_can_be_made_by_a_job(kind):
+    mesh, indices, targets = large()
+    job = kind.start(mesh, indices)
+    assert not job.done
+    job.cancel()
+    with pytest.raises(spectral_tv.Cancelled):
+        job.result()
+    made = kind.start(mesh, indices).result()
+    expected = kind(mesh, indices).drag(targets)
+    np.testing.assert_array_equal(made.drag(targets).vertices, expected.vertices)
+    with pytest.raises(spectral_tv.MeshError, match="there are no constraints"):
+        kind.start(mesh, [])

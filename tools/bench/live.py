@@ -67,6 +67,8 @@ def _measure(shape: Shape, algorithm: str) -> list[str]:
     began = time.perf_counter()
     live = import_module(f"{MODULE}.deformation.live").LiveDeformation(obj)
     live.update()
+    while live.preparation is not None:
+        live.update()
     reading = time.perf_counter() - began
     centre = vertices.mean(axis=0)
     arm, side = start - centre, np.roll(np.eye(3), 1, axis=0)[axis]

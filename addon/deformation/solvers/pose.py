@@ -1,7 +1,6 @@
 """Total variation of rigid motions: pieces that turn, with joints at narrow places."""
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any
 
 import bpy
@@ -14,7 +13,7 @@ from ...scene.notes import note
 from ..constraints import Settings
 from ..contact import Contact, Rest
 from ..grips import Grips
-from .solver import Follower, Solved, came_along
+from .solver import Follower, Solved, Solving, came_along
 
 # A step that moves a vertex by more than this, relative to the size, is followed by another one
 # before the exact pose is worked out.
@@ -63,28 +62,32 @@ class Posing(Follower):
         return f"posed{how}{came_along(pose)}"
 
     def drag(self, targets: np.ndarray) -> Any:
-        return self._poser.drag(targets)
+        return self._state.drag(targets)
 
     def is_rough(self, result: Any) -> bool:
         return result.movement > ROUGH * self._size
 
     def start_settling(self, targets: np.ndarray) -> spectral_tv.Job:
-        return self._poser.start_solve(targets, TOLERANCE)
+        return self._state.start_solve(targets, TOLERANCE)
 
     def start_check(self, result: Any) -> Steps[Contact]:
         return Steps(self._rest.look(result, 0.0, 1.0))
 
-    def start_sequence(self, targets: Sequence[np.ndarray]) -> Steps[list[Solved]]:
-        def steps():
-            solved, count = [], len(targets)
-            for number, each in enumerate(targets):
-                solving = (number + SOLVING) / count
-                pose = yield self._poser.start_solve(each, TOLERANCE), solving
-                contact = yield from self._rest.look(pose, solving, (number + 1) / count)
-                solved.append(Solved(pose, contact))
-            return solved
+    def _start_preparing(self) -> spectral_tv.Job:
+        grips = self.grips
+        return spectral_tv.Poser.start(
+            self.mesh, grips.indices, grips.weights, self._bodies, **keywords(self.settings)
+        )
 
-        return Steps(steps())
+    def _solve_in_turn(self, targets: Sequence[np.ndarray], began: float) -> Solving:
+        solved, share = [], (1.0 - began) / len(targets)
+        for number, each in enumerate(targets):
+            before = began + number * share
+            solving = before + SOLVING * share
+            pose = yield self._state.start_solve(each, TOLERANCE), solving
+            contact = yield from self._rest.look(pose, solving, before + share)
+            solved.append(Solved(pose, contact))
+        return solved
 
     def note_sequence(self, frames: Sequence[int], solutions: Sequence[Solved]) -> None:
         worst = max(solutions, key=lambda each: each.contact.crossing)
@@ -99,16 +102,9 @@ class Posing(Follower):
             self._note_unsettled(unsettled)
 
     def take(self, settings: Settings) -> bool:
-        self._poser.set_parameters(**keywords(settings))
+        self._state.set_parameters(**keywords(settings))
         self.settings = settings
         return True
-
-    @cached_property
-    def _poser(self) -> Any:
-        grips = self.grips
-        return spectral_tv.Poser(
-            self.mesh, grips.indices, grips.weights, self._bodies, **keywords(self.settings)
-        )
 
     @staticmethod
     def _note_unsettled(decrement: float) -> None:

@@ -1,6 +1,6 @@
 """What all kinds of algorithms have in common."""
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,10 +8,13 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ...job.steps import Steps
+from ...job.steps import Step, Steps
 from ..constraints import Settings
 from ..contact import Contact
 from ..grips import Grips
+
+# The part of the work on a sequence that preparing is.
+PREPARING = 0.05
 
 
 @dataclass(frozen=True)
@@ -20,6 +23,9 @@ class Solved:
 
     result: Any
     contact: Contact = field(default_factory=Contact)
+
+
+Solving = Generator[Step, Any, list[Solved]]
 
 
 class Solver:
@@ -40,7 +46,27 @@ class Solver:
 
 
 class Follower(Solver):
-    """Solves again and again, each time from where it was."""
+    """Solves again and again, each time from where it was, once what that takes is prepared."""
+
+    # What solves: spectral_tv.Deformer or Poser, once it is there.
+    _state: Any = None
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether `drag` and `start_settling` can be called."""
+        return self._state is not None
+
+    def prepare(self) -> Steps[None]:
+        """Prepare, in a thread."""
+
+        def steps():
+            self._state = yield self._start_preparing(), 1.0
+
+        return Steps(steps())
+
+    def _start_preparing(self) -> spectral_tv.Job:
+        """Make what solves, in a thread."""
+        raise NotImplementedError
 
     def drag(self, targets: np.ndarray) -> Any:
         """A quick and rough result for targets that are near the last ones."""
@@ -59,7 +85,16 @@ class Follower(Solver):
         return None
 
     def start_sequence(self, targets: Sequence[np.ndarray]) -> Steps[list[Solved]]:
-        """Solve for one after the other, in a thread."""
+        """Prepare, and solve for one after the other, in a thread."""
+
+        def steps():
+            self._state = yield self._start_preparing(), PREPARING
+            return (yield from self._solve_in_turn(targets, PREPARING))
+
+        return Steps(steps())
+
+    def _solve_in_turn(self, targets: Sequence[np.ndarray], began: float) -> Solving:
+        """Solve for one after the other; ``began`` is the part of the work that is done by then."""
         raise NotImplementedError
 
     def note_sequence(self, frames: Sequence[int], solutions: Sequence[Solved]) -> None:

@@ -1,13 +1,12 @@
 """Total variation of displacements: rigid pieces that shift, the paper's deformation."""
 
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 import spectral_tv
 
 from ...job.steps import Steps
-from .solver import Follower, Solved, came_along
+from .solver import Follower, Solved, Solving, came_along
 
 # A rough answer this far from the optimum is drawn once more before the exact one is worked out.
 ROUGH = 0.05
@@ -32,31 +31,27 @@ class TotalVariation(Follower):
         return f"deformed{of_optimum(solved.result)}{came_along(solved.result)}"
 
     def drag(self, targets: np.ndarray) -> spectral_tv.Deformation:
-        return self._deformer.drag(targets)
+        return self._state.drag(targets)
 
     def is_rough(self, result: spectral_tv.Deformation) -> bool:
         return result.gap > ROUGH
 
     def start_settling(self, targets: np.ndarray) -> spectral_tv.Job:
-        return self._deformer.start_solve(targets)
+        return self._state.start_solve(targets)
 
-    def start_sequence(self, targets: Sequence[np.ndarray]) -> Steps[list[Solved]]:
-        def steps():
-            results = yield self._deformer.start_solve_sequence(list(targets)), 1.0
-            return [Solved(each) for each in results]
+    def _solve_in_turn(self, targets: Sequence[np.ndarray], _began: float) -> Solving:
+        results = yield self._state.start_solve_sequence(list(targets)), 1.0
+        return [Solved(each) for each in results]
 
-        return Steps(steps())
+    def _start_preparing(self) -> spectral_tv.Job:
+        return spectral_tv.Deformer.start(
+            self.mesh, self.grips.indices, self.grips.weights, self._softness
+        )
 
     @property
     def _softness(self) -> float:
         """The width of the stretched zone as a length."""
         return self.settings.softness / 100 * float(np.sqrt(self.mesh.area))
-
-    @cached_property
-    def _deformer(self) -> spectral_tv.Deformer:
-        return spectral_tv.Deformer(
-            self.mesh, self.grips.indices, self.grips.weights, self._softness
-        )
 
 
 def of_optimum(result: spectral_tv.Deformation) -> str:

@@ -65,6 +65,24 @@ impl Deformer {
         Self::with(mesh, handles, softness, None)
     }
 
+    /// Start making one in a thread of its own and return the `Job` at once.
+    ///
+    /// It takes the arguments of the class. Making one takes seconds on a large mesh.
+    #[staticmethod]
+    #[pyo3(signature = (mesh, indices, weights = None, softness = 0.0))]
+    fn start(
+        mesh: Bound<'_, Mesh>,
+        indices: &Bound<'_, PyAny>,
+        weights: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = parameters::softness)] softness: f64,
+    ) -> Result<Job, Failure> {
+        let handles = Handles::new(mesh.get(), indices, weights)?;
+        let (build, wrap) = Self::steps(mesh, handles, softness, None)?;
+        Job::start(build, move |py, built| {
+            Ok(Bound::new(py, wrap(built))?.into_any())
+        })
+    }
+
     /// Follow handles to new targets, fast enough for dragging: a linear solution that starts from
     /// the last shape, and a Newton step if a shift has left the shape behind.
     ///
@@ -203,6 +221,11 @@ impl Deformer {
     }
 }
 
+/// What takes long and needs no Python.
+type Build = Box<dyn FnOnce(Stage) -> spectral_tv::Result<deformation::Deformer> + Send>;
+/// What makes an object of that.
+type Wrap = Box<dyn FnOnce(deformation::Deformer) -> Deformer + Send>;
+
 impl Deformer {
     /// One that goes on from a state, or from rest.
     fn with(
@@ -212,23 +235,36 @@ impl Deformer {
         state: Option<Array2<f64>>,
     ) -> Result<Self, Failure> {
         let py = mesh.py();
-        let constraints = handles.constraints(py, mesh.get())?;
+        let (build, wrap) = Self::steps(mesh, handles, softness, state)?;
+        Ok(wrap(guarded(py, build)?))
+    }
+
+    /// What makes one, in two steps.
+    fn steps(
+        mesh: Bound<'_, Mesh>,
+        handles: Handles,
+        softness: f64,
+        state: Option<Array2<f64>>,
+    ) -> Result<(Build, Wrap), Failure> {
+        let constraints = handles.constraints(mesh.py(), mesh.get())?;
         let shape = Arc::new(Shape::new(mesh.get(), constraints.floating()));
-        let surface = &mesh.get().inner;
-        let inner = guarded(py, |stage| {
-            let mut inner = deformation::Deformer::new_with(surface, constraints, softness, stage)?;
+        let (surface, mesh) = (Arc::clone(&shape.mesh), mesh.unbind());
+        let build = move |stage: Stage| {
+            let mut built =
+                deformation::Deformer::new_with(&surface, constraints, softness, stage)?;
             if let Some(displacement) = state {
-                inner.set_state(displacement)?;
+                built.set_state(displacement)?;
             }
-            Ok(inner)
-        })?;
-        Ok(Self {
-            inner: Arc::new(Owned::new(inner)),
+            Ok(built)
+        };
+        let wrap = move |built| Self {
+            inner: Arc::new(Owned::new(built)),
             shape,
-            mesh: mesh.unbind(),
+            mesh,
             handles,
             softness,
-        })
+        };
+        Ok((Box::new(build), Box::new(wrap)))
     }
 
     /// The last displacement, once the work on it has ended; `None` at rest.

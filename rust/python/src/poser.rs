@@ -80,6 +80,32 @@ impl Poser {
         Self::with(mesh, handles, self::bodies(bodies)?, settings, None)
     }
 
+    /// Start making one in a thread of its own and return the `Job` at once.
+    ///
+    /// It takes the arguments of the class. Making one takes seconds on a large mesh.
+    #[staticmethod]
+    #[pyo3(signature = (mesh, indices, weights = None, bodies = None, joint_softness = 1.0, stiffness = 0.03, stillness = 0.5))]
+    fn start(
+        mesh: Bound<'_, Mesh>,
+        indices: &Bound<'_, PyAny>,
+        weights: Option<&Bound<'_, PyAny>>,
+        bodies: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = parameters::joint_softness)] joint_softness: f64,
+        #[pyo3(from_py_with = parameters::stiffness)] stiffness: f64,
+        #[pyo3(from_py_with = parameters::stillness)] stillness: f64,
+    ) -> Result<Job, Failure> {
+        let settings = Settings {
+            joint_softness,
+            stiffness,
+            stillness,
+        };
+        let handles = Handles::new(mesh.get(), indices, weights)?;
+        let (build, wrap) = Self::steps(mesh, handles, self::bodies(bodies)?, settings, None)?;
+        Job::start(build, move |py, built| {
+            Ok(Bound::new(py, wrap(built))?.into_any())
+        })
+    }
+
     /// How wide and soft joints are; 0 folds them as sharply as the mesh allows.
     #[getter]
     fn joint_softness(&self, py: Python<'_>) -> Result<f64, Failure> {
@@ -268,6 +294,11 @@ impl Poser {
     }
 }
 
+/// What takes long and needs no Python.
+type Build = Box<dyn FnOnce(Stage) -> spectral_tv::Result<posing::Poser> + Send>;
+/// What makes an object of that.
+type Wrap = Box<dyn FnOnce(posing::Poser) -> Poser + Send>;
+
 impl Poser {
     /// One that goes on from a state, or from rest.
     fn with(
@@ -278,23 +309,36 @@ impl Poser {
         state: Option<Snapshot>,
     ) -> Result<Self, Failure> {
         let py = mesh.py();
-        let held = handles.turning(py, mesh.get(), bodies.as_deref())?;
+        let (build, wrap) = Self::steps(mesh, handles, bodies, settings, state)?;
+        Ok(wrap(guarded(py, build)?))
+    }
+
+    /// What makes one, in two steps.
+    fn steps(
+        mesh: Bound<'_, Mesh>,
+        handles: Handles,
+        bodies: Option<Vec<i64>>,
+        settings: Settings,
+        state: Option<Snapshot>,
+    ) -> Result<(Build, Wrap), Failure> {
+        let held = handles.turning(mesh.py(), mesh.get(), bodies.as_deref())?;
         let shape = Arc::new(Shape::new(mesh.get(), held.floating()));
-        let surface = &mesh.get().inner;
-        let inner = guarded(py, |stage| {
-            let mut inner = posing::Poser::new_with(surface, held, settings, stage)?;
+        let (surface, mesh) = (Arc::clone(&shape.mesh), mesh.unbind());
+        let build = move |stage: Stage| {
+            let mut built = posing::Poser::new_with(&surface, held, settings, stage)?;
             if let Some(state) = state {
-                inner.set_state(state)?;
+                built.set_state(state)?;
             }
-            Ok(inner)
-        })?;
-        Ok(Self {
-            inner: Arc::new(Owned::new(inner)),
+            Ok(built)
+        };
+        let wrap = move |built| Self {
+            inner: Arc::new(Owned::new(built)),
             shape,
-            mesh: mesh.unbind(),
+            mesh,
             handles,
             bodies,
-        })
+        };
+        Ok((Box::new(build), Box::new(wrap)))
     }
 
     fn settings(&self, py: Python<'_>) -> Result<Settings, Failure> {
