@@ -14,6 +14,9 @@ use crate::posing::state::{State, rotated};
 /// Gauss–Newton steps of the coarse mesh in a cycle.
 const STEPS: usize = 2;
 
+/// Of the way on from where a cycle has led.
+const MOST_DOUBLINGS: usize = 3;
+
 /// A state, the goals that it meets, and the motion that they have in common.
 pub(super) struct Current {
     pub state: State,
@@ -92,18 +95,42 @@ impl Current {
             };
             coarse = next;
         }
-        let mut fine = self.state.clone();
-        carried.carry(&mut fine);
-        fine = levels.lift.carry(&fine, &start, &coarse);
+        let mut origin = self.state.clone();
+        carried.carry(&mut origin);
+        let mut fine = levels.lift.carry(&origin, &start, &coarse);
         levels.fine.place(&goals, &mut fine);
+        levels.fine.place(&goals, &mut origin);
         let last = std::mem::replace(&mut self.state, fine);
         (self.goals, self.motion) = (goals, motion);
+        let is_resting = self.targets.as_deref() == Some(targets);
         self.targets = Some(targets.to_vec());
-        let energy = self.smooth(levels, stage)?;
+        let mut energy = self.smooth(levels, stage)?;
+        if is_resting {
+            energy = self.further(levels, &origin, energy);
+        }
         Ok(Reached {
             movement: largest_movement(&last, &self.state),
             energy,
         })
+    }
+
+    /// Goes on from `origin` through the state for as long as E decreases: a cycle takes away only
+    /// a part of what is smooth. Takes and returns E, length².
+    fn further(&mut self, levels: &Levels, origin: &State, energy: f64) -> f64 {
+        let (fine, goals) = (&levels.fine, &self.goals);
+        let start = self.state.clone();
+        let direction = start.since(origin);
+        let (mut energy, mut length) = (energy, limited(&direction));
+        for _ in 0..MOST_DOUBLINGS {
+            let next = fine.moved(&start, &direction, length, goals);
+            let value = fine.value(&next, goals);
+            if value >= energy {
+                break;
+            }
+            (self.state, energy) = (next, value);
+            length *= 2.0;
+        }
+        energy
     }
 
     /// Positions, then rotations, by themselves. Returns E, length².

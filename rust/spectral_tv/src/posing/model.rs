@@ -6,6 +6,7 @@ use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::grouped;
+use crate::parallel;
 use crate::posing::field::Field;
 use crate::posing::settings::Settings;
 use crate::posing::state::{State, rotated, turned};
@@ -139,15 +140,22 @@ impl Model {
 
     /// The state that a field times `length` leads to.
     pub fn moved(&self, state: &State, field: &Field, length: f64, goals: &Goals) -> State {
-        let mut next = state.clone();
-        for (body, turn) in next.bodies.iter_mut().zip(&field.bodies) {
-            *body = turned(body, &(length * turn)).normalize();
-        }
-        let vertices = next.positions.iter_mut().zip(&mut next.rotations);
-        for (vertex, (position, rotation)) in vertices.enumerate() {
-            *position += length * field.moves[vertex];
-            *rotation = turned(rotation, &(length * field.turns[vertex])).normalize();
-        }
+        let further = |rotation: &Quaternion<f64>, turn: &Vector3<f64>| {
+            turned(rotation, &(length * turn)).normalize()
+        };
+        let vertices = parallel::values(state.positions.len(), |vertex| {
+            (
+                state.positions[vertex] + length * field.moves[vertex],
+                further(&state.rotations[vertex], &field.turns[vertex]),
+            )
+        });
+        let (positions, rotations) = vertices.into_iter().unzip();
+        let bodies = state.bodies.iter().zip(&field.bodies);
+        let mut next = State {
+            positions,
+            rotations,
+            bodies: bodies.map(|(body, turn)| further(body, turn)).collect(),
+        };
         self.place(goals, &mut next);
         next
     }

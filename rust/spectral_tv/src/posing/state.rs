@@ -4,6 +4,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use ndarray::Array2;
 
 use crate::error::{ArgumentError, Result, unusable_values};
+use crate::parallel;
+use crate::posing::field::Field;
 
 /// Unit quaternions are as long as 1 to this.
 const UNIT: f64 = 1e-6;
@@ -39,6 +41,22 @@ impl State {
             positions: positions.to_vec(),
             rotations: vec![Quaternion::identity(); positions.len()],
             bodies: vec![Quaternion::identity(); bodies],
+        }
+    }
+
+    /// What moved it here from another state.
+    pub fn since(&self, other: &Self) -> Field {
+        let turns = |after: &[Quaternion<f64>], before: &[Quaternion<f64>]| {
+            parallel::values(after.len(), |i| {
+                let turn = aligned(after[i] * before[i].conjugate(), &Quaternion::identity());
+                UnitQuaternion::new_unchecked(turn).scaled_axis()
+            })
+        };
+        let moves = self.positions.iter().zip(&other.positions);
+        Field {
+            moves: moves.map(|(after, before)| after - before).collect(),
+            turns: turns(&self.rotations, &other.rotations),
+            bodies: turns(&self.bodies, &other.bodies),
         }
     }
 
