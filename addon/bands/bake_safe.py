@@ -7,9 +7,10 @@ from bpy.props import BoolProperty
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
+from ..job.steps import Steps
 from ..options.properties import choices_of
 from ..scene.objects import Refusal, distinct_meshes
-from .clamping import Clamped, Clamping, GuardSettings, Work
+from .clamping import Clamped, Clamping, GuardSettings
 from .set_bands import bands_refusal
 
 
@@ -53,8 +54,8 @@ class SPECTRAL_TV_OT_bake_safe(JobOperator, choices_of(GuardSettings, "guard"), 
         seen = [Seen.of(each) for each in objects]
         return Prepared(seen, Clamping.read(objects, self.settings()))
 
-    def start(self, prepared: Prepared) -> Work:
-        return Work(prepared.clamping)
+    def start(self, prepared: Prepared) -> Steps[Clamped]:
+        return prepared.clamping.start()
 
     def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Clamped) -> str:
         _, done = prepared.clamping.write(all_unchanged(prepared.seen), result)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -10,7 +9,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..job.jobs import Chain
+from ..job.together import Together
 from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
 from ..scene.fingerprints import Likeness
@@ -52,8 +51,6 @@ flows: dict[str, Flow] = {}
 MOST_FLOWS = 4
 # Vertices of bands that are held at once.
 MOST_VALUES = 10_000_000
-# Of the work of a decomposition that keeps limbs, about what measuring the thickness takes.
-MEASURING = 0.2
 # Values nearer than this are the same.
 VISIBLE = 1e-6
 
@@ -108,15 +105,13 @@ def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposi
 
 def start_split(
     mesh: spectral_tv.Mesh, settings: Settings, arguments: dict[str, Any]
-) -> spectral_tv.Job | Chain:
+) -> spectral_tv.Job | Together:
     """Start to decompose a mesh, and to measure what its bands are cut by."""
-    if not settings.limbs_kept:
-        return spectral_tv.start_decompose(mesh, **arguments)
-    return Chain(
-        [partial(spectral_tv.start_thickness, mesh)],
-        lambda _: spectral_tv.start_decompose(mesh, **arguments),
-        last_share=1 - MEASURING,
-    )
+    decomposing = spectral_tv.start_decompose(mesh, **arguments)
+    # A base that keeps limbs measures the thickness itself.
+    if not settings.limbs_kept or arguments.get("base") == "limbs":
+        return decomposing
+    return Together(decomposing, spectral_tv.start_thickness(mesh))
 
 
 def add_bands(

@@ -8,8 +8,9 @@ import bpy
 import spectral_tv
 
 from ..drawing.work import MeshPanel, draw_button, draw_selection
-from ..job.jobs import Chain, Seen, read_each, unchanged
+from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
+from ..job.steps import Steps, in_turn
 from ..options.declaring import choice, in_force, integer, number, options_of
 from ..options.properties import choices_of
 from ..scene.notes import about, note
@@ -97,12 +98,16 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
         splits = [recall(pose.surface, pose.arguments) for pose in prepared]
         return None if None in splits else splits
 
-    def start(self, prepared: list[Pose]) -> Chain:
-        return Chain(
-            [
-                partial(start_split, pose.surface.mesh, self.settings().of_bands(), pose.arguments)
-                for pose in prepared
-            ]
+    def start(self, prepared: list[Pose]) -> Steps[list[spectral_tv.Decomposition]]:
+        return Steps(
+            in_turn(
+                [
+                    partial(
+                        start_split, pose.surface.mesh, self.settings().of_bands(), pose.arguments
+                    )
+                    for pose in prepared
+                ]
+            )
         )
 
     def write(

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..job.jobs import Chain
+from ..job.steps import Steps, in_turn
 from ..options.declaring import number
 from ..scene import mix
 from ..scene.notes import note
@@ -69,30 +69,6 @@ class Clamped:
     crossing: tuple[int, int, int]
 
 
-class Work(Chain):
-    """The job; its result is a `Clamped`."""
-
-    def __init__(self, clamping: "Clamping") -> None:
-        """Clamp, and look for triangles that cross."""
-        self._clamping = clamping
-        mesh, added = clamping.surfaces[0].mesh, clamping.added
-        cross = partial(spectral_tv.start_self_intersections, mesh)
-        safe = partial(spectral_tv.start_safe_displacement, mesh, added, clamping.stretch)
-        starts = [safe, partial(cross, -clamping.taken), partial(cross, added)]
-        super().__init__(starts, self._look, last_share=0.25)
-
-    def _look(self, results: list) -> spectral_tv.Job:
-        self._safe, *self._crossing = results
-        mesh = self._clamping.surfaces[0].mesh
-        return spectral_tv.start_self_intersections(mesh, self._safe.displacement)
-
-    def result(self, progress=None) -> Clamped:
-        """Wait for it; see `Chain.result`."""
-        last = super().result(progress)
-        counts = tuple(len(each) for each in (*self._crossing, last))
-        return Clamped(self._safe.shares, self._safe.kept, counts)
-
-
 @dataclass(frozen=True)
 class Clamping:
     """Objects that are clamped as one surface, in the shape that bands below 0 leave."""
@@ -122,6 +98,23 @@ class Clamping:
         if not added.any():
             note("no band is above 0, so nothing is clamped")
         return cls(mixes, surfaces, settings.stretch, taken, added)
+
+    def start(self) -> Steps[Clamped]:
+        """Clamp, and look for triangles that cross."""
+        mesh = self.surfaces[0].mesh
+        cross = partial(spectral_tv.start_self_intersections, mesh)
+        safe = partial(spectral_tv.start_safe_displacement, mesh, self.added, self.stretch)
+
+        def steps():
+            found = yield from in_turn(
+                [safe, partial(cross, -self.taken), partial(cross, self.added)], 0.75
+            )
+            clamped = found[0]
+            after = yield cross(clamped.displacement), 1.0
+            counts = tuple(len(each) for each in (*found[1:], after))
+            return Clamped(clamped.shares, clamped.kept, counts)
+
+        return Steps(steps())
 
     def write(
         self, objects: Sequence[bpy.types.Object], result: Clamped

@@ -7,8 +7,9 @@ import bpy
 import spectral_tv
 from bpy.props import BoolProperty
 
-from ..job.jobs import Chain, Seen, all_unchanged
+from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
+from ..job.together import Together
 from ..scene import applied
 from ..scene.notes import note
 from ..scene.objects import Refusal, distinct_meshes
@@ -48,7 +49,7 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
     def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
         return recall(prepared.surfaces[0], prepared.arguments)
 
-    def start(self, prepared: Prepared) -> spectral_tv.Job | Chain:
+    def start(self, prepared: Prepared) -> spectral_tv.Job | Together:
         return start_split(prepared.surfaces[0].mesh, self.settings(), prepared.arguments)
 
     def write(

@@ -9,7 +9,7 @@ from ..command_line.progress import progress
 from ..scene.notes import gathered, listed, note
 from ..scene.records import bands_of
 from .bands import set_values
-from .clamping import Clamping, GuardSettings, Work
+from .clamping import Clamping, GuardSettings
 from .guard import Counts, Reference
 
 
@@ -66,7 +66,7 @@ class FoldingGains:
         with gathered() as left:
             clamping = Clamping.read(objects, GuardSettings())
             with progress(f"{label}, clamping") as show:
-                result = Work(clamping).result(show)
+                result = clamping.start().result(show)
             keys, done = clamping.write(objects, result)
         for obj, key in zip(objects, keys, strict=True):
             set_values(obj, [0.0] * len(bands_of(obj)))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import bpy
 import spectral_tv
@@ -12,81 +12,13 @@ from ..scene.coordinates import basis_coordinates
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from . import faults
 from .steps import Steps
+from .together import Together
 
 T = TypeVar("T")
 
 
-class Chain:
-    """Jobs one after the other, and a last one of all their results; polled like one job.
-
-    Without a last one the results themselves are the result.
-    """
-
-    def __init__(
-        self,
-        starts: list[Callable[[], spectral_tv.Job]],
-        last: Callable[[list[Any]], spectral_tv.Job] | None = None,
-        last_share: float = 0.05,
-    ) -> None:
-        """Start the first of ``starts``; the last one takes ``last_share`` of the whole."""
-        self._starts = starts
-        self._last = last
-        self._last_share = last_share
-        self._results: list[Any] = []
-        self._is_last = False
-        self._job = starts[0]()
-
-    @property
-    def progress(self) -> float:
-        """The fraction of the work done, in [0, 1]."""
-        if self._is_last:
-            return 1 - self._last_share * (1 - self._job.progress)
-        before = len(self._results)
-        if before == len(self._starts):
-            return 1.0
-        share = 1.0 if self._last is None else 1 - self._last_share
-        return share * (before + self._job.progress) / len(self._starts)
-
-    @property
-    def done(self) -> bool:
-        """Whether all have ended, or one has failed; starts the next one."""
-        if not self._job.done:
-            return False
-        if self._is_last or len(self._results) == len(self._starts):
-            return True
-        try:
-            self._results.append(self._job.result())
-        except (spectral_tv.MeshError, spectral_tv.Cancelled, RuntimeError, MemoryError):
-            return True  # whoever asks for the result learns why
-        if len(self._results) < len(self._starts):
-            self._job = self._starts[len(self._results)]()
-        elif self._last is None:
-            return True
-        else:
-            self._job = self._last(self._results)
-            self._is_last = True
-            self._results = []
-        return False
-
-    def cancel(self) -> None:
-        """Ask the one that runs to stop."""
-        self._job.cancel()
-
-    def result(self, progress: Callable[[float], None] | None = None) -> Any:
-        """Wait, and return the last one's result, or all; raises what the one that failed raised.
-
-        ``progress`` takes the fraction done.
-        """
-        told = None if progress is None else lambda _fraction: progress(self.progress)
-        while not self.done:
-            self._job.result(told)
-        if self._last is None and len(self._results) == len(self._starts):
-            return self._results
-        return self._job.result()
-
-
 # What may run.
-Work = spectral_tv.Job | Chain | Steps
+Work = spectral_tv.Job | Together | Steps
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,14 +1,29 @@
 """Jobs one after the other, each made of what the one before gave; polled like one job."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from typing import Any, Generic, TypeVar
 
 import spectral_tv
 
+from .together import Together
+
 T = TypeVar("T")
 
 # A job, and the fraction of all the work that is done when it ends.
-Step = tuple[spectral_tv.Job, float]
+Step = tuple["spectral_tv.Job | Together | Steps", float]
+
+
+def in_turn(
+    starts: Sequence[Callable[[], Any]], until: float = 1.0
+) -> Generator[Step, Any, list[Any]]:
+    """Run what each of ``starts`` starts, and return all results.
+
+    They take alike parts of the work; ``until`` is the part that is done by then.
+    """
+    results = []
+    for number, start in enumerate(starts, 1):
+        results.append((yield start(), until * number / len(starts)))
+    return results
 
 
 class Steps(Generic[T]):

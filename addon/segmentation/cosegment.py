@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 import spectral_tv
 
-from ..job.jobs import Chain, Seen, read_each, unchanged
+from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
+from ..job.steps import Steps, in_turn
 from ..scene import mix
 from ..scene.notes import about
 from ..scene.objects import Refusal
@@ -19,6 +20,8 @@ from .properties import SegmentationChoices
 Prepared = list[tuple[Seen, Surface]]
 Labels = list[np.ndarray]
 METHOD = "m2"
+# The part of the work that decomposing is.
+DECOMPOSING = 0.95
 
 
 class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationChoices, bpy.types.Operator):
@@ -35,13 +38,18 @@ class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationChoices, bpy.types.Opera
             raise Refusal("choose what to write")
         return read_each(bpy.context, lambda obj: (Seen.of(obj), Surface.read(obj, mix.shown(obj))))
 
-    def start(self, prepared: Prepared) -> Chain:
+    def start(self, prepared: Prepared) -> Steps[Labels]:
         starts = [
             partial(spectral_tv.start_decompose, surface.mesh, METHOD, steps=self.steps)
             for _, surface in prepared
         ]
         count, seed = self.segments, self.seed
-        return Chain(starts, lambda splits: spectral_tv.start_cosegment(splits, count, seed))
+
+        def steps():
+            splits = yield from in_turn(starts, DECOMPOSING)
+            return (yield spectral_tv.start_cosegment(splits, count, seed), 1.0)
+
+        return Steps(steps())
 
     def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Labels) -> str:
         objects, skipped = unchanged([seen for seen, _ in prepared])

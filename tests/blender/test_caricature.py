@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from importlib import import_module
 
 import bpy
@@ -103,23 +102,3 @@ def test_refusals_change_nothing(poses):
     with pytest.raises(RuntimeError, match="Large: its scale is zero"):
         bpy.ops.spectral_tv.caricature()
     assert all(obj.data.shape_keys is None for obj in poses)
-
-
-def test_a_chain_without_a_last_job_gives_all_results(poses):
-    """What a window runs, one pose after the other."""
-    jobs = import_module(f"{MODULE}.job.jobs")
-    meshes = [spectral_tv.Mesh(s * VERTICES, FACES) for s in (1, 2)]
-    chain = jobs.Chain([lambda m=m: spectral_tv.start_decompose(m, "m1", steps=6) for m in meshes])
-    seen = []
-    while not chain.done:
-        seen.append(chain.progress)
-        time.sleep(0.002)
-    assert seen == sorted(seen) and chain.done and chain.progress == 1
-    areas = [split.times[-1] for split in chain.result()]
-    assert areas[1] == pytest.approx(4 * areas[0])
-    chain = jobs.Chain([lambda: spectral_tv.start_decompose(meshes[0], steps=100_000)] * 2)
-    chain.cancel()
-    while not chain.done:
-        time.sleep(0.002)
-    with pytest.raises(spectral_tv.Cancelled):
-        chain.result()

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import time
-from importlib import import_module
-
 import bpy
 import numpy as np
 import pytest
-import spectral_tv
-from conftest import MODULE
 from shapes import dumbbell
 
 
@@ -75,34 +70,3 @@ def test_a_mesh_that_cannot_be_used_is_named(poses):
     with pytest.raises(RuntimeError, match="Bare: The mesh has no faces"):
         bpy.ops.spectral_tv.cosegment()
     assert not poses[0].vertex_groups
-
-
-def chain(poses, steps=24):
-    jobs = import_module(f"{MODULE}.job.jobs")
-    surface = import_module(f"{MODULE}.scene.surface").Surface
-    meshes = [surface.read(obj).mesh for obj in poses]
-    starts = [lambda mesh=mesh: spectral_tv.start_decompose(mesh, "m2", steps=steps)
-              for mesh in meshes]  # fmt: skip
-    return jobs.Chain(starts, lambda splits: spectral_tv.start_cosegment(splits, 3))
-
-
-def test_the_chain_of_jobs_gives_what_the_calls_give(poses):
-    job = chain(poses)
-    seen = [0.0]
-    while not job.done:
-        seen.append(job.progress)
-        time.sleep(0.001)
-    assert seen == sorted(seen) and job.progress == 1
-    bpy.ops.spectral_tv.cosegment(segments=3, steps=24)
-    for labels, obj in zip(job.result(), poses, strict=True):
-        np.testing.assert_array_equal(labels, groups(obj))
-
-
-def test_a_cancelled_chain_ends(poses):
-    job = chain(poses, steps=1000)
-    assert not job.done
-    job.cancel()
-    while not job.done:
-        time.sleep(0.001)
-    with pytest.raises(spectral_tv.Cancelled):
-        job.result()

@@ -89,3 +89,37 @@ def test_a_job_that_fails_ends_them():
         while not steps.done:
             time.sleep(0.001)
         steps.result()
+
+
+def test_jobs_in_turn_give_all_results():
+    in_turn = import_module(f"{MODULE}.job.steps").in_turn
+    steps = steps_of(in_turn([lambda: flow(4), lambda: flow(6)]))
+    seen = []
+    while not steps.done:
+        seen.append(steps.progress)
+        time.sleep(0.001)
+    assert seen == sorted(seen) and steps.progress == 1
+    assert [len(each.times) for each in steps.result()] == [5, 7]
+
+
+def together(first, *others):
+    return import_module(f"{MODULE}.job.together").Together(first, *others)
+
+
+def test_jobs_at_the_same_time_give_the_result_of_the_first():
+    told = []
+    jobs = together(flow(4), flow(6))
+    assert len(jobs.result(told.append).times) == 5
+    assert jobs.done and jobs.progress == 1 and told[-1] == 1
+
+
+def test_jobs_at_the_same_time_are_cancelled_together():
+    endless = flow(100_000), flow(100_000)
+    jobs = together(*endless)
+    assert not jobs.done
+    jobs.cancel()
+    with pytest.raises(spectral_tv.Cancelled):
+        jobs.result()
+    while not jobs.done:
+        time.sleep(0.001)
+    assert all(each.done for each in endless)
