@@ -1,6 +1,7 @@
 """Bands of detail: split off, filtered, exaggerated, kept as shape keys."""
 
 from . import (
+    apply_look,
     apply_modifier,
     bake_safe,
     bands,
@@ -23,6 +24,7 @@ FILES = (
     limbs,
     set_bands,
     take_bands,
+    apply_look,
     apply_modifier,
     bake_safe,
     live_guard,

@@ -8,6 +8,7 @@ from ..drawing.sidebar import Sidebar, say
 from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
 from . import filter_curve, live_guard, spectrum
 from . import set_bands as operators
+from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
@@ -64,6 +65,9 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator(operators.SPECTRAL_TV_OT_bake.bl_idname, icon="SHAPEKEY_DATA")
         row.operator(SPECTRAL_TV_OT_bake_safe.bl_idname, icon="FAKE_USER_ON")
+        row = layout.row(align=True)
+        row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, icon="CHECKMARK").place = "HERE"
+        row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, text="", icon="DUPLICATE").place = "COPY"
         layout.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
         row = layout.row(align=True)
         row.prop(context.scene.spectral_tv, "bands")

@@ -103,15 +103,21 @@ def new_identity(obj: bpy.types.Object, record: SpectralTVRecord) -> None:
     record.corner_count = len(obj.data.loops)
 
 
+def forget(record: SpectralTVRecord) -> None:
+    """Clear a record, as its bands are no bands any more."""
+    record.bands.clear()
+    record.keep_spectrum([], [])
+    record.solo = 0
+    record.id_data.update_tag()
+
+
 def forget_stale(*_arguments: object) -> None:
     """Clear the records of bands that were all removed, which Blender tells nobody."""
     for mesh in bpy.data.meshes:
         if mesh.library is None and mesh.is_property_set("spectral_tv"):
             record = mesh.spectral_tv.decomposition
             if record.bands and not keeping_of(record).is_marked(mesh, record.identifier):
-                record.bands.clear()
-                record.keep_spectrum([], [])
-                mesh.update_tag()
+                forget(record)
 
 
 def bands_of(obj: bpy.types.Object) -> list[Band | None]:

@@ -69,6 +69,7 @@ def photo() -> None:
 # For every operator what there is before, and its arguments.
 CASES = {
     "add_curve": (banded, {}),
+    "apply_look": (banded, {}),
     "apply_modifier": (subdivided, {}),
     "apply_curve": (banded, {}),
     "bake": (banded, {}),

@@ -1,0 +1,101 @@
+"""The operator that makes the mix of the bands the shape itself."""
+
+import bpy
+import numpy as np
+from bpy.props import EnumProperty
+
+from ..scene import mix
+from ..scene.applying import FOLLOWERS
+from ..scene.look import become
+from ..scene.notes import note
+from ..scene.objects import Refusal
+from ..scene.records import bands_of, forget, keeping_of, record_of
+from .set_bands import BandsOperator, bands_refusal
+
+PLACES = (
+    ("HERE", "This Object", "The object itself takes the shape"),
+    ("COPY", "A New Object", "A copy takes the shape; the object stays, hidden"),
+)
+
+
+class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
+    """Make the mix of the bands the shape of the mesh, and remove the bands. Other shape keys,
+    masks, drivers, UV maps, vertex groups and modifiers stay"""
+
+    bl_idname = "spectral_tv.apply_look"
+    bl_label = "Apply Look"
+    changes_keys = True
+
+    place: EnumProperty(
+        name="To", description="What takes the shape", items=PLACES, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def refusal(cls, context: bpy.types.Context) -> str | None:
+        return look_refusal(context.active_object)
+
+    @classmethod
+    def description(cls, _context, properties) -> str:
+        copied = " of a copy" if properties.place == "COPY" else ""
+        return f"{cls.__doc__.replace('of the mesh', f'of the mesh{copied}')}"
+
+    def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
+        _note_animated(obj)
+        # What the bands do now, masks and mutes included.
+        bands = [key for key in bands_of(obj) if key is not None]
+        parts = [part.displacement(obj) for part in mix.parts(obj) if part.key in bands]
+        if not parts:
+            raise Refusal("the bands change nothing at their present values")
+        displacement = np.sum(parts, axis=0)
+        users = [each.name for each in context.blend_data.objects if each.data == obj.data]
+        if self.place == "COPY":
+            obj = _copied(context, obj)
+        elif len(users) > 1:
+            note(f"the mesh is shared: {', '.join(users)} have the shape now")
+        spent = [key for key in bands_of(obj) if key is not None]
+        forget(record_of(obj))
+        renewals = [follow(obj) for follow in FOLLOWERS]
+        become(obj, displacement, spent)
+        for renew in renewals:
+            if obj.data.shape_keys is not None:
+                renew()
+        left = "" if obj.data.shape_keys is not None else "; it has no shape keys any more"
+        return f"{len(spent)} bands became the shape of {obj.name!r}{left}"
+
+
+def look_refusal(obj: bpy.types.Object | None) -> str | None:
+    """Why no look can be applied now, in a sentence for the user; None if one can be."""
+    reason = bands_refusal(obj, override=False)
+    if reason is not None:
+        return reason
+    if obj.mode != "OBJECT":
+        return "Go to Object Mode first"
+    if obj.show_only_shape_key:
+        setting = obj.bl_rna.properties["show_only_shape_key"].name
+        return f"{setting} shows one shape key alone; turn it off first"
+    return None
+
+
+def _note_animated(obj: bpy.types.Object) -> None:
+    animation = keeping_of(record_of(obj)).animation_of
+    bands = [key for key in bands_of(obj) if key is not None]
+    moving = [key.name for key in bands if animation(key, "value")]
+    if moving:
+        note(f"animated, applied as they are on this frame: {', '.join(moving)}")
+    if record_of(obj).solo:
+        note("one band is soloed, and is applied alone")
+
+
+def _copied(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Object:
+    """A copy with a mesh of its own, now the active object; ``obj`` is hidden."""
+    copy = obj.copy()
+    copy.data = obj.data.copy()
+    copy.name = f"{obj.name} Look"
+    for collection in obj.users_collection:
+        collection.objects.link(copy)
+    obj.select_set(False)
+    obj.hide_set(True)
+    copy.select_set(True)
+    context.view_layer.objects.active = copy
+    note(f"{obj.name!r} is hidden")
+    return copy

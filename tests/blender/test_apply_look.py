@@ -1,0 +1,121 @@
+"""bpy.ops.spectral_tv.apply_look: the mix of the bands as the shape itself."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from ball import ball
+from contents import contents, differences
+from deform_scene import coordinates, evaluated, group, key_positions
+
+FRAMES = (1, 7, 20)
+
+
+@pytest.fixture
+def body():
+    """A rigged, subdivided ball with a UV map, face keys, one of them driven, and bands."""
+    obj = ball("Body")
+    mesh = obj.data
+    mesh.uv_layers.new(name="UV").data.foreach_set("uv", np.arange(2.0 * len(mesh.loops)) % 1)
+    obj.shape_key_add(name="Basis", from_mix=False)
+    smile, pout = (obj.shape_key_add(name=name, from_mix=False) for name in ("Smile", "Pout"))
+    for point in smile.data:
+        point.co.x *= 1 + 0.2 * max(point.co.z, 0)
+    pout.relative_key = smile
+    for point, other in zip(pout.data, smile.data, strict=True):
+        point.co = other.co * 1.05
+    smile.driver_add("value").driver.expression = "frame / 20"
+    pout.value = 0.5
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = rig.data.edit_bones.new("Bone")
+    bone.tail = (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig.pose.bones["Bone"].rotation_mode = "XYZ"
+    for frame, angle in zip(FRAMES, (0, 0.5, 1.2), strict=True):
+        rig.pose.bones["Bone"].rotation_euler.x = angle
+        rig.pose.bones["Bone"].keyframe_insert("rotation_euler", frame=frame)
+    group(obj, "Bone", [v.index for v in mesh.vertices if v.co.z > 0])
+    obj.modifiers.new("Armature", "ARMATURE").object = rig
+    obj.modifiers.new("Subdivision", "SUBSURF")
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    bpy.context.scene.frame_set(FRAMES[0])
+    bpy.ops.spectral_tv.decompose(bands=3, steps=8, shape="BASIS")
+    bands = [key for key in mesh.shape_keys.key_blocks if "Band" in key.name]
+    bands[0].value, bands[1].value, bands[2].value = 1.5, -0.4, 0.7
+    bands[2].vertex_group = "Cap"
+    return obj
+
+
+def poses(obj) -> list[np.ndarray]:
+    found = []
+    for frame in FRAMES:
+        bpy.context.scene.frame_set(frame)
+        found.append(evaluated(obj))
+    bpy.context.scene.frame_set(FRAMES[0])
+    return found
+
+
+def test_what_is_seen_stays_on_every_frame_and_the_bands_go(body):
+    before, seen = contents(), poses(body)
+    names = [key.name for key in body.data.shape_keys.key_blocks if "Band" not in key.name]
+    moves = {name: key_positions(body, name) - key_positions(body, "Basis") for name in names}
+    assert bpy.ops.spectral_tv.apply_look() == {"FINISHED"}
+    for one, other in zip(poses(body), seen, strict=True):
+        np.testing.assert_allclose(one, other, atol=2e-6)
+    assert body.data.shape_keys.key_blocks.keys() == names
+    for name, move in moves.items():
+        found = key_positions(body, name) - key_positions(body, "Basis")
+        np.testing.assert_allclose(found, move, atol=1e-6)
+    shape = coordinates(body.data.vertices)
+    np.testing.assert_array_equal(shape, key_positions(body, "Basis"))
+    smile = body.data.shape_keys.key_blocks["Smile"]
+    assert body.data.shape_keys.key_blocks["Pout"].relative_key == smile
+    assert len(body.data.shape_keys.animation_data.drivers) == 1
+    changed = {name.split(":")[0] for name in differences(before, contents())}
+    assert changed <= {"mesh Body", "object Body"}
+    assert {"Bone", "Cap"} <= {*body.vertex_groups.keys()}
+    with pytest.raises(RuntimeError, match="has no bands"):
+        bpy.ops.spectral_tv.apply_look()
+    assert bpy.ops.spectral_tv.decompose(bands=2, steps=8) == {"FINISHED"}
+
+
+def test_a_copy_leaves_the_object_as_it_was(body):
+    before, seen = contents(), poses(body)
+    bpy.ops.spectral_tv.apply_look(place="COPY")
+    copy = bpy.context.active_object
+    assert copy.name == "Body Look" and body.hide_get() and body.data != copy.data
+    for one, other in zip(poses(copy), seen, strict=True):
+        np.testing.assert_allclose(one, other, atol=2e-6)
+    after = contents()
+    assert not differences(before, {name: after[name] for name in before})
+
+
+def test_without_other_keys_blender_can_apply_modifiers_again():
+    obj = ball("Ball")
+    obj.modifiers.new("Subdivision", "SUBSURF")
+    bpy.ops.spectral_tv.decompose(bands=2, steps=8)
+    obj.data.shape_keys.key_blocks[1].value = 1
+    seen = evaluated(obj)
+    bpy.ops.spectral_tv.apply_look()
+    assert obj.data.shape_keys is None
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    np.testing.assert_allclose(coordinates(obj.data.vertices), seen, atol=2e-6)
+
+
+def test_bands_that_do_nothing_are_refused(body):
+    for key in body.data.shape_keys.key_blocks:
+        if "Band" in key.name:
+            key.mute = True
+    before = contents()
+    with pytest.raises(RuntimeError, match="the bands change nothing at their present values"):
+        bpy.ops.spectral_tv.apply_look()
+    body.show_only_shape_key = True
+    with pytest.raises(RuntimeError, match="shows one shape key alone"):
+        bpy.ops.spectral_tv.apply_look()
+    body.show_only_shape_key = False
+    assert not differences(before, contents())
