@@ -81,7 +81,7 @@ lint: $(WHEEL_STAMP)
 
 extension: $(EXTENSION_STAMP)
 
-bench: $(WHEEL_STAMP)
+bench: $(EXTENSION_STAMP)
 	$(BIN)/python tools/check_system.py cholmod
 	$(BIN)/python -m pip install --quiet --group bench
 	$(BIN)/python -m tools.bench $(or $(MESH),--page docs/benchmarks.md) $(BENCH)

@@ -6,11 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Up to this strain a face is said to have stayed rigid.
-RIGID = 1.05
+# A face stays nearly rigid up to the one strain or the other: ways differ in where they put it.
+RIGID = (1.01, 1.05)
 QUANTILE = 0.99
 # A face that is lower than this part of its longest side takes no part.
 LEAST_HEIGHT = 1e-5
+COLUMNS = " | ".join(
+    ["largest stretch", "99 % strain", "flipped"]
+    + [f"area to {100 * (limit - 1):.0f} %" for limit in RIGID]
+)
 
 
 @dataclass(frozen=True)
@@ -25,18 +29,19 @@ class Strain:
         What 99 % of the area are strained by at most; see `strains`.
     flipped : int
         The number of faces that fold over; see `flips`.
-    rigid : float
-        The share of the area that is strained by `RIGID` at most.
+    rigid : tuple of float
+        The share of the area that is strained by each of `RIGID` at most.
     """
 
     stretch: float
     strain: float
     flipped: int
-    rigid: float
+    rigid: tuple[float, ...]
 
-    def cells(self) -> tuple[str, str, str, str]:
-        """The four as text."""
-        return f"{self.stretch:.2f}", f"{self.strain:.2f}", str(self.flipped), f"{self.rigid:.0%}"
+    def cells(self) -> list[str]:
+        """They as text, for a table with `COLUMNS`."""
+        shares = [f"{share:.0%}" for share in self.rigid]
+        return [f"{self.stretch:.2f}", f"{self.strain:.2f}", str(self.flipped), *shares]
 
 
 def measured(vertices: np.ndarray, triangles: np.ndarray, moved: np.ndarray) -> Strain:
@@ -53,14 +58,14 @@ def measured(vertices: np.ndarray, triangles: np.ndarray, moved: np.ndarray) -> 
         stretch=float((after / before).max()),
         strain=float(strain[order[min(share.searchsorted(QUANTILE), len(order) - 1)]]),
         flipped=int(flips(vertices, triangles, moved).sum()),
-        rigid=float(areas[strain <= RIGID].sum() / areas.sum()),
+        rigid=tuple(float(areas[strain <= limit].sum() / areas.sum()) for limit in RIGID),
     )
 
 
 def strains(vertices: np.ndarray, triangles: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """How many times longer or shorter the worst direction in each face becomes, (F,).
 
-    It is σ₁ or 1/σ₂ of the face's deformation gradient, whichever is more: 1 where it moves rigidly.
+    It is σ₁ or 1/σ₂ of the face's deformation gradient, whichever is more: 1 if it moves rigidly.
     No face may be without area at rest.
     """
     rest, now = (_gram(points, triangles) for points in (vertices, moved))

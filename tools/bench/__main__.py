@@ -17,11 +17,13 @@ from . import (
     exact,
     growth,
     interruption,
+    live,
     machine,
+    posing,
     smoothing,
     steps,
 )
-from .meshes import Shape, bumpy_sphere, bumpy_torus, pinched_sphere, read_ply
+from .meshes import Shape, bumpy_sphere, bumpy_torus, pinched_sphere, read
 from .page import TABLES, Page
 
 Shapes = list[tuple[str, Shape]]
@@ -29,18 +31,22 @@ Shapes = list[tuple[str, Shape]]
 # Frequencies of spheres with 41 k, 164 k and 1 M vertices, and of small ones for a trial.
 FREQUENCIES, SMALL_FREQUENCIES = (64, 128, 316), (8, 16)
 SIZES, SMALL_SIZES = (10_000, 40_000, 160_000, 640_000, 1_000_000), (1_000, 4_000)
+# Frequencies of spheres with 7 k and 44 k vertices.
+PINCHED, SMALL_PINCHED = (26, 66), (8, 12)
 ESTIMATED, SMALL_ESTIMATED = (32, 64, 128, 316), (8, 16)
 
 
-# Made along with "steps" and "deformation".
-ALONG = ("memory", "dragging", "rigid")
+# Made along with "steps", "deformation" and "posing".
+ALONG = ("memory", "dragging", "rigid", "pose_dragging")
 NAMES = tuple(name for name in TABLES if name not in ALONG)
 
 
 def main() -> None:
     """Print the tables, and write them into a page."""
     parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
-    parser.add_argument("meshes", type=Path, nargs="*", help="binary .ply files of triangles")
+    parser.add_argument(
+        "meshes", type=Path, nargs="*", help="files that Blender reads, such as .ply or .stl"
+    )
     parser.add_argument("--page", type=Path, help="a page with markers to write the tables into")
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="these tables only")
     parser.add_argument("--least", action="store_true", help="leave out what takes many minutes")
@@ -54,7 +60,7 @@ def main() -> None:
 
 def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
     """What makes each table, on the meshes of the command line or generated ones."""
-    files: Shapes = [(path.stem, read_ply(path)) for path in arguments.meshes]
+    files: Shapes = [(path.stem, read(path)) for path in arguments.meshes]
     small, medium = (8, 12) if arguments.small else (32, 64)
     shapes = files or [
         ("bumpy sphere", bumpy_sphere(n))
@@ -66,6 +72,11 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         ("bumpy sphere", bumpy_sphere(small)),
         *(("pinched sphere", pinched_sphere(n)) for n in (small, medium)),
     ]
+    pinched = [
+        ("pinched sphere", pinched_sphere(n))
+        for n in (SMALL_PINCHED if arguments.small else PINCHED)
+    ]
+    posed = files or [*pinched, ("bumpy sphere", bumpy_sphere(8 if arguments.small else 26))]
     sizes = SMALL_SIZES if arguments.small else SIZES
     estimated = SMALL_ESTIMATED if arguments.small else ESTIMATED
     least = arguments.least
@@ -76,6 +87,8 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         "exact": lambda page: exact.report(page, (small, medium)),
         "eigenpairs": lambda page: eigenpairs.report(page, *of_eigenpairs, everything=not least),
         "deformation": lambda page: deformation.report(page, pulled),
+        "posing": lambda page: posing.report(page, posed),
+        "live": lambda page: live.report(page, files or pinched),
         "smoothing": lambda page: smoothing.report(page, shapes),
         "interruption": lambda page: interruption.report(page, shapes),
         "growth": lambda page: growth.report(page, sizes),

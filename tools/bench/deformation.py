@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import igl
 import numpy as np
 import spectral_tv
 
+from .arap import Arap
 from .meshes import Shape
 from .page import Page
 from .reweighted import Factorize, cholmod, reweighted, superlu
@@ -123,15 +123,12 @@ def rigid(pull: Pull) -> list[str]:
 
     ours()
     iterations = results["ours"].iterations
-    handles = pull.indices.astype(np.int32)
 
     def theirs() -> None:
-        data = igl.ARAPData()
-        data.energy = igl.ARAP_ENERGY_TYPE_SPOKES_AND_RIMS
-        data.max_iter = iterations
-        triangles = pull.triangles.astype(np.int64)
-        igl.arap_precomputation(pull.vertices, triangles, 3, handles, data)
-        results["libigl"] = igl.arap_solve(pull.targets, data, pull.vertices)
+        arap = Arap(pull.vertices, pull.triangles, pull.indices)
+        arap.prepare()
+        arap.iterate(pull.targets, iterations)
+        results["libigl"] = arap.shape
 
     library, seconds = interleaved(theirs, ours)
     difference = np.abs(results["libigl"] - results["ours"].vertices).max()

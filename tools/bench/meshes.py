@@ -77,12 +77,12 @@ def bumpy_torus(size: int) -> Shape:
     return np.stack(shape, axis=-1).reshape(-1, 3), triangles.reshape(-1, 3)
 
 
-def read_ply(path: Path) -> Shape:
-    """The first mesh of a .ply file, as Blender reads it."""
+def read(path: Path) -> Shape:
+    """The first mesh of a file, as Blender reads it."""
     import bpy  # noqa: PLC0415 - it loads for a second and takes memory
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.wm.ply_import(filepath=str(path))
+    getattr(bpy.ops.wm, f"{path.suffix[1:].lower()}_import")(filepath=str(path))
     mesh = bpy.context.object.data
     mesh.calc_loop_triangles()
     vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)

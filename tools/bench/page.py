@@ -17,7 +17,7 @@ import psutil
 
 TABLES = (
     "machine", "steps", "memory", "accuracy", "exact", "eigenpairs", "deformation", "dragging",
-    "rigid", "smoothing", "interruption", "growth", "estimates",
+    "rigid", "posing", "pose_dragging", "live", "smoothing", "interruption", "growth", "estimates",
 )  # fmt: skip
 
 
