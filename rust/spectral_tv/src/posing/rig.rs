@@ -14,13 +14,10 @@ use crate::operators::{element_stiffness, pin};
 use crate::posing::handles::diagonal;
 use crate::posing::model::{Corners, Model, Parameters, Role};
 use crate::posing::motion::{self, Motion};
+use crate::posing::pieces::pieces;
 use crate::posing::settings::Settings;
 use crate::posing::state::{State, normalized};
 
-/// e of strain and turning up to which a face is of a piece, and not of a joint.
-const RIGID: f64 = 0.1;
-/// The part of the area that makes a piece.
-const LEAST_AREA: f64 = 0.004;
 /// How much nearness to the middle of a joint counts beside that both pieces agree there.
 const MIDDLE: f64 = 0.05;
 /// What keeps weights at 0 where no piece is connected, relative to the mass.
@@ -92,7 +89,7 @@ pub fn rig_with(
     let rest: Vec<Vector3<f64>> = mesh.vertices().iter().map(|&p| p.into()).collect();
     let state = state_of(&rest, displacement, rotations);
     let model = free(mesh, rest, stage)?;
-    let labels = stage.pass(|| labelled(mesh, &model, &state))?;
+    let labels = stage.pass(|| pieces(mesh, &model, &state))?;
     let found = labels
         .iter()
         .flatten()
@@ -156,41 +153,6 @@ fn free(mesh: &TriangleMesh, rest: Vec<Vector3<f64>>, stage: Stage) -> Result<Mo
         operators: Discretization::new_with(mesh, stage)?,
         rest,
     })
-}
-
-/// The pieces: connected faces that are hardly strained or turned, the largest first.
-fn labelled(mesh: &TriangleMesh, model: &Model, state: &State) -> Vec<Option<u32>> {
-    let areas = mesh.face_areas();
-    let is_rigid =
-        |face: usize| areas[face] > 0.0 && model.face_term(face, state).square < RIGID * RIGID;
-    let rigid: Vec<[u32; 3]> = (0..areas.len())
-        .filter(|&face| is_rigid(face))
-        .map(|face| mesh.triangles()[face])
-        .collect();
-    let components = components_of(mesh.vertex_count(), &rigid, &vec![1.0; rigid.len()]);
-    let mut is_in = vec![false; mesh.vertex_count()];
-    for &corner in rigid.as_flattened() {
-        is_in[corner as usize] = true;
-    }
-    let mut sizes = vec![0.0; mesh.vertex_count()];
-    for (vertex, area) in mesh.vertex_areas().iter().enumerate() {
-        if is_in[vertex] {
-            sizes[components[vertex] as usize] += area;
-        }
-    }
-    let mut order: Vec<usize> = (0..sizes.len())
-        .filter(|&piece| sizes[piece] > LEAST_AREA * mesh.area())
-        .collect();
-    order.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]).then(a.cmp(&b)));
-    let mut numbers = vec![None; sizes.len()];
-    for (number, piece) in order.into_iter().enumerate() {
-        numbers[piece] = Some(number as u32);
-    }
-    let of = |vertex: usize| match is_in[vertex] {
-        true => numbers[components[vertex] as usize],
-        false => None,
-    };
-    (0..is_in.len()).map(of).collect()
 }
 
 /// The rigid motion that fits a piece best.
