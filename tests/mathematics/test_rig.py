@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import spectral_tv
 from scipy.spatial.transform import Rotation
-from shapes import dumbbell
+from shapes import dumbbell, icosphere
 
 BEND = Rotation.from_rotvec([np.radians(60), 0, 0])
 
@@ -89,6 +89,24 @@ def test_a_neck_that_bends_along_all_of_its_length_parts_its_ends(straight):
     assert rig.labels[pinned[0]] != rig.labels[pulled[0]]
     size = np.linalg.norm(np.ptp(straight.vertices, axis=0))
     np.testing.assert_allclose(carried(straight, rig), posed.vertices, atol=0.02 * size)
+
+
+@pytest.mark.parametrize("radius", [0.03, 0.3])
+def test_parts_that_are_not_connected_are_of_the_piece_that_moves_alike(straight, radius):
+    """Small ones too, such as eyes in a head."""
+    vertices, triangles = icosphere(2)
+    count = len(straight.vertices)
+    mesh = spectral_tv.Mesh(
+        np.vstack([straight.vertices, radius * vertices + [0, 0, 1.4]]),
+        np.vstack([straight.triangles, triangles + count]),
+    )
+    rig = spectral_tv.rig(mesh, bend(mesh, BEND))
+    assert len(rig.parents) == 2
+    (eye,) = np.unique(rig.labels[count:])
+    assert eye == rig.labels[np.argmax(straight.vertices[:, 2])]
+    assert (rig.weights[count:, eye] == 1).all()
+    still = spectral_tv.rig(mesh, bend(mesh, Rotation.identity()))
+    np.testing.assert_array_equal(still.parents, [-1])
 
 
 def test_a_rigid_motion_is_one_bone_and_other_meshes_are_refused(bent):
