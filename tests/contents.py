@@ -54,11 +54,22 @@ def _object(obj: bpy.types.Object) -> dict[str, Any]:
         "data": obj.data and obj.data.name,
         "matrix": [tuple(row) for row in obj.matrix_basis],
         "deformation": values(obj.spectral_tv),
+        "parent": obj.parent and (obj.parent.name, [tuple(r) for r in obj.matrix_parent_inverse]),
+        "modifiers": [(each.name, each.type, each.show_viewport) for each in obj.modifiers],
     }
+    if obj.type == "ARMATURE":
+        found["bones"] = [_bone(bone) for bone in obj.pose.bones]
     if obj.type == "MESH":
         found["active key"] = obj.active_shape_key_index
         found["groups"] = [group.name for group in obj.vertex_groups]
     return found
+
+
+def _bone(posed: bpy.types.PoseBone) -> tuple[Any, ...]:
+    """A bone, its rest and its pose."""
+    matrices = (posed.bone.matrix_local, posed.matrix_basis)
+    rows = [tuple(row) for matrix in matrices for row in matrix]
+    return (posed.name, posed.parent and posed.parent.name, posed.length, rows)
 
 
 def _mesh(mesh: bpy.types.Mesh) -> dict[str, Any]:

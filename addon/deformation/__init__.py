@@ -9,6 +9,7 @@ from . import (
     overlay,
     panel,
     pick_operator,
+    rig_operator,
     verb,
     versions,
 )
@@ -19,6 +20,7 @@ FILES = (
     deform_operator,
     live_operator,
     bake_operator,
+    rig_operator,
     pick_operator,
     panel,
 )

@@ -1,5 +1,7 @@
 """What is added to a deformation before it is seen: other shape keys, modifiers."""
 
+from collections.abc import Collection
+
 import bpy
 import numpy as np
 
@@ -15,8 +17,13 @@ REFINING = {"SUBSURF", "MULTIRES", "TRIANGULATE", "EDGE_SPLIT"}
 NOTICED = 1e-3
 
 
-def note_additions(obj: bpy.types.Object, constrained: np.ndarray) -> None:
-    """Note what else moves the ``constrained`` vertices of ``obj``, or all that is seen of it."""
+def note_additions(
+    obj: bpy.types.Object, constrained: np.ndarray, replaced: Collection[str] = ()
+) -> None:
+    """Note what else moves the ``constrained`` vertices of ``obj``, or all that is seen of it.
+
+    Modifiers that are ``replaced``, by their names, will not.
+    """
     known = Known.of(obj)
     mine = [known.single, *known.baked, *known.kept]
     others = [] if obj.show_only_shape_key else mix.parts(obj)
@@ -33,5 +40,6 @@ def note_additions(obj: bpy.types.Object, constrained: np.ndarray) -> None:
     if mirrors:
         note(f"the other half of {told(mirrors)} is held and moved likewise")
     modifiers = [each.name for each in passed_over(obj) if each.type not in REFINING]
+    modifiers = [name for name in modifiers if name not in replaced]
     if modifiers:
         note(f"modifiers act on what is deformed, {told(modifiers)}: what is seen is theirs")

@@ -247,6 +247,9 @@ class SpectralTVDeformation(Fingerprint, DeformationChoices, bpy.types.PropertyG
         default=1, min=1
     )  # fmt: skip
     baked: CollectionProperty(type=SpectralTVBakedKey)
+    rig: StringProperty(
+        name="Rig", description="Of an armature that was written: what was", options={"HIDDEN"}
+    )
 
 
 def deformation_of(obj: bpy.types.Object) -> SpectralTVDeformation:

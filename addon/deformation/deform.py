@@ -1,5 +1,6 @@
 """The deformation of an object: from its constraints to displacements."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,8 +29,8 @@ class Deformable:
     grips: Grips
 
     @classmethod
-    def read(cls, obj: bpy.types.Object) -> "Deformable":
-        """Read ``obj``, while what it follows is kept up.
+    def read(cls, obj: bpy.types.Object, replaced: Collection[str] = ()) -> "Deformable":
+        """Read ``obj``, while what it follows is kept up; ``replaced`` is as in `note_additions`.
 
         Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
         """
@@ -38,7 +39,7 @@ class Deformable:
             raise Refusal(reason)
         bpy.context.evaluated_depsgraph_get()  # for the place of an object that was just moved
         grips = Grips.read(obj)
-        note_additions(obj, grips.handles.indices)
+        note_additions(obj, grips.handles.indices, replaced)
         _note_rest_positions(obj)
         return cls(grips.surface, grips)
 
@@ -100,13 +101,16 @@ def follow_refusal(obj: bpy.types.Object | None) -> str | None:
     return reason or follow_complaint(deformation_of(obj).algorithm)
 
 
-def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Deformable, np.ndarray, Solver]:
+def prepare(
+    obj: bpy.types.Object, settings: Settings, replaced: Collection[str] = ()
+) -> tuple[Deformable, np.ndarray, Solver]:
     """What is read of ``obj``, the targets of its grips, and what solves for them.
 
-    Raises Refusal or spectral_tv.MeshError if it cannot be deformed.
+    ``replaced`` names modifiers that will not act on the result. Raises Refusal or
+    spectral_tv.MeshError if it cannot be deformed.
     """
     with kept_up(followed_by(obj)):
-        deformable = Deformable.read(obj)
+        deformable = Deformable.read(obj, replaced)
         targets = deformable.grips.targets(obj)
     deformable.note_turning(obj, [targets], settings.algorithm)
     return deformable, targets, solver_of(obj, deformable.grips, settings)

@@ -18,6 +18,7 @@ from .deform import deform_refusal, shared_refusal
 from .deform_operator import SPECTRAL_TV_OT_deform
 from .live_operator import SPECTRAL_TV_OT_deform_live
 from .pick_operator import SPECTRAL_TV_OT_hold_and_pull
+from .rig_operator import SPECTRAL_TV_OT_rig_from_pose
 
 
 class SPECTRAL_TV_UL_constraints(bpy.types.UIList):
@@ -102,6 +103,8 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
             icon="PAUSE" if is_live else "PLAY",
             depress=is_live,
         )
+        if constraints.deformation_of(obj).algorithm == "POSE":
+            layout.operator(SPECTRAL_TV_OT_rig_from_pose.bl_idname, icon="ARMATURE_DATA")
 
     @staticmethod
     def _draw_state(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -153,6 +153,12 @@ def show_baked(obj: bpy.types.Object) -> None:
     _note_hidden(obj, known.baked)
 
 
+def hide(obj: bpy.types.Object) -> None:
+    """Have neither the last deformation nor the baked keys be seen."""
+    known = Known.of(obj)
+    _mute([*([] if known.single is None else [known.single]), *known.baked])
+
+
 def told(names: Sequence[str]) -> str:
     """Tell the first of several names, and how many more there are."""
     more = f" and {len(names) - 1} more" if len(names) > 1 else ""

@@ -125,6 +125,11 @@ class Surface:
             for part, first in zip(parts, firsts, strict=False)
         ]
 
+    @property
+    def metric(self) -> np.ndarray:
+        """What lengths in object space are in the world, (3, 3)."""
+        return self.matrix.T @ self.matrix
+
     def merge(self, values: np.ndarray) -> np.ndarray:
         """Values of the object's vertices (V, C) as those of the mesh's (N, C).
 

@@ -267,7 +267,8 @@ class Rig(_Result):
     heads : array
         The joint of each with its parent at rest, or the middle of one that hangs on none, (P, 3).
     tails : array
-        The far end of each piece, seen from its head, (P, 3).
+        The far end of each piece, seen from its head, (P, 3). Where one hangs on none, it is the
+        joint of the largest that hangs on it.
     rotations : array
         How each piece is turned, (P, 4): unit quaternions w, x, y, z.
     translations : array

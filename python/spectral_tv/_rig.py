@@ -11,8 +11,12 @@ from spectral_tv._work import starting, waiting
 def rig(mesh: Mesh, posed: Pose, progress: Progress | None = None) -> Job[Rig]:
     """Find the pieces of a pose that move rigidly, and the joints between them.
 
-    A face is of a piece if it is hardly strained and hardly turns. Pieces smaller than 0.4 % of the
-    area count as joints. The piece that moves least is the root. Weights are harmonic in joints.
+    A face is of a piece if it is hardly strained and hardly turns, measured against the largest
+    bend of the pose: weak bends have joints too. Two pieces that touch are one unless they turn
+    against one another by 5° or more. Pieces smaller than 0.4 % of the area count as joints. A pose
+    that does not bend is one piece. Parts that are not connected are of one piece where they move
+    alike; small ones are of the piece that moves most like them. The piece that moves least is the
+    root. Weights are harmonic in joints.
 
     Parameters
     ----------

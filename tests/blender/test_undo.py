@@ -47,6 +47,15 @@ def posed() -> None:
     held().spectral_tv.algorithm = "POSE"
 
 
+def rigged() -> None:
+    """The same, with an armature that was made of it, and another pose."""
+    posed()
+    obj = bpy.context.object
+    bpy.ops.spectral_tv.deform()
+    bpy.ops.spectral_tv.rig_from_pose()
+    handle(obj).location.y = 0.5
+
+
 def plotted() -> None:
     ball("Ball")
     bpy.ops.spectral_tv.plot_values(kind="GROUP", source="Cap", steps=4)
@@ -98,6 +107,7 @@ CASES = {
     "measure_accuracy": (banded, {"bands": 2, "steps": 8}),
     "measure_thickness": (lambda: ball("Ball"), {}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
+    "rig_from_pose": (posed, {}),
     "select_faulty": (torn, {}),
     "solo": (banded, {"band": 2}),
     "take_bands": (pair, {"first": 1, "last": 2}),
@@ -137,6 +147,10 @@ def test_one_step_takes_all_of_it_back(name):
 @pytest.mark.parametrize("name", ["deform", "bake_deformation"])
 def test_one_step_takes_poses_back(name):
     one_step_takes_all_back(name, posed, CASES[name][1])
+
+
+def test_one_step_takes_a_rig_in_the_place_of_another_back():
+    one_step_takes_all_back("rig_from_pose", rigged, {})
 
 
 def one_step_takes_all_back(name: str, prepare, arguments: dict) -> None:

@@ -1,13 +1,13 @@
 """Total variation of rigid motions: pieces that turn, with joints at narrow places."""
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from typing import Any
 
 import bpy
 import numpy as np
 import spectral_tv
 
-from ...job.steps import Steps
+from ...job.steps import Step, Steps
 from ...options.declaring import keywords
 from ...scene.notes import note
 from ..constraints import Settings
@@ -22,6 +22,8 @@ ROUGH = 2e-3
 TOLERANCE, UNSETTLED = 1e-4, 1e-3
 # The part of the work that is solving; looking at the result is the rest.
 SOLVING = 0.9
+# The part of it that is done when a rig is looked for.
+POSED = 0.9
 
 
 class Posing(Follower):
@@ -35,22 +37,33 @@ class Posing(Follower):
         self._size = float(np.linalg.norm(np.ptp(self.mesh.vertices, axis=0)))
 
     def start(self, targets: np.ndarray) -> Steps[Solved]:
+        return Steps(self._solve(targets, 1.0))
+
+    def start_rig(self, targets: np.ndarray) -> Steps[tuple[Solved, spectral_tv.Rig]]:
+        """Pose for ``targets`` (K, 3), and find the rig of that pose, in a thread."""
+
         def steps():
-            pose = yield (
-                spectral_tv.start_pose(
-                    self.mesh,
-                    self.grips.indices,
-                    targets,
-                    self.grips.weights,
-                    self._bodies,
-                    **keywords(self.settings),
-                ),
-                SOLVING,
-            )
-            contact = yield from self._rest.look(pose, SOLVING, 1.0)
-            return Solved(pose, contact)
+            solved = yield from self._solve(targets, POSED)
+            rig = yield spectral_tv.start_rig(self.mesh, solved.result), 1.0
+            return solved, rig
 
         return Steps(steps())
+
+    def _solve(self, targets: np.ndarray, end: float) -> Generator[Step, Any, Solved]:
+        """Pose and look at the pose; progress goes to ``end``."""
+        pose = yield (
+            spectral_tv.start_pose(
+                self.mesh,
+                self.grips.indices,
+                targets,
+                self.grips.weights,
+                self._bodies,
+                **keywords(self.settings),
+            ),
+            SOLVING * end,
+        )
+        contact = yield from self._rest.look(pose, SOLVING * end, end)
+        return Solved(pose, contact)
 
     def message(self, solved: Solved) -> str:
         pose, how = solved.result, ""

@@ -36,7 +36,7 @@ mod model;
 mod motion;
 mod newton;
 mod outcome;
-
+mod pieces;
 mod poser;
 mod quadric;
 mod rig;
@@ -49,7 +49,6 @@ mod tests;
 
 pub use handles::Handles;
 pub use outcome::Pose;
-
 pub use poser::{Poser, pose, pose_with};
 pub use rig::{Rig, rig, rig_with};
 pub use settings::Settings;

@@ -13,16 +13,16 @@ use crate::monitor::{Monitor, Stage};
 use crate::operators::{element_stiffness, pin};
 use crate::posing::handles::diagonal;
 use crate::posing::model::{Corners, Model, Parameters, Role};
-use crate::posing::motion::{self, Motion};
+use crate::posing::motion::Motion;
+use crate::posing::pieces::{motions, pieces};
 use crate::posing::settings::Settings;
 use crate::posing::state::{State, normalized};
 
-/// e of strain and turning up to which a face is of a piece, and not of a joint.
-const RIGID: f64 = 0.1;
-/// The part of the area that makes a piece.
-const LEAST_AREA: f64 = 0.004;
 /// How much nearness to the middle of a joint counts beside that both pieces agree there.
 const MIDDLE: f64 = 0.05;
+/// How far from that middle it may be, relative to the spread of the joint: where pieces also shift,
+/// they agree far off.
+const REACH: f64 = 0.5;
 /// What keeps weights at 0 where no piece is connected, relative to the mass.
 const DAMPING: f64 = 1e-9;
 
@@ -41,7 +41,8 @@ pub struct Rig {
     pub parents: Vec<Option<usize>>,
     /// The joint of each with its parent at rest, or the middle of one that hangs on none, length.
     pub heads: Vec<[f64; 3]>,
-    /// The far end of each piece, seen from its head, length.
+    /// The far end of each piece, seen from its head, length. Where one hangs on none, the joint of
+    /// the largest that hangs on it.
     pub tails: Vec<[f64; 3]>,
 }
 
@@ -92,21 +93,18 @@ pub fn rig_with(
     let rest: Vec<Vector3<f64>> = mesh.vertices().iter().map(|&p| p.into()).collect();
     let state = state_of(&rest, displacement, rotations);
     let model = free(mesh, rest, stage)?;
-    let labels = stage.pass(|| labelled(mesh, &model, &state))?;
-    let found = labels
-        .iter()
-        .flatten()
-        .max()
-        .map_or(0, |&last| last as usize + 1);
-    let motions: Vec<Motion> = (0..found)
-        .map(|piece| fitted(mesh, &model.rest, &state, &labels, piece as u32))
-        .collect();
+    let labels = stage.pass(|| pieces(mesh, &model, &state))?;
+    let motions = motions(mesh, &model, &state, &labels);
+    let found = motions.len();
     let parents = parents(mesh, &model.rest, &labels, &motions);
     let weights = weights(&model, &labels, found, stage)?;
     let heads: Vec<Vector3<f64>> = (0..found)
         .map(|piece| head(mesh, &model.rest, &weights, &motions, &parents, piece))
         .collect();
-    let tails = (0..found).map(|piece| tail(&model.rest, &labels, heads[piece], piece as u32));
+    let tails = (0..found).map(|piece| match first_child(&parents, piece) {
+        Some(child) if parents[piece].is_none() => heads[child],
+        _ => tail(&model.rest, &labels, heads[piece], piece as u32),
+    });
     Ok(Rig {
         tails: tails.map(Into::into).collect(),
         heads: heads.into_iter().map(Into::into).collect(),
@@ -156,59 +154,6 @@ fn free(mesh: &TriangleMesh, rest: Vec<Vector3<f64>>, stage: Stage) -> Result<Mo
         operators: Discretization::new_with(mesh, stage)?,
         rest,
     })
-}
-
-/// The pieces: connected faces that are hardly strained or turned, the largest first.
-fn labelled(mesh: &TriangleMesh, model: &Model, state: &State) -> Vec<Option<u32>> {
-    let areas = mesh.face_areas();
-    let is_rigid =
-        |face: usize| areas[face] > 0.0 && model.face_term(face, state).square < RIGID * RIGID;
-    let rigid: Vec<[u32; 3]> = (0..areas.len())
-        .filter(|&face| is_rigid(face))
-        .map(|face| mesh.triangles()[face])
-        .collect();
-    let components = components_of(mesh.vertex_count(), &rigid, &vec![1.0; rigid.len()]);
-    let mut is_in = vec![false; mesh.vertex_count()];
-    for &corner in rigid.as_flattened() {
-        is_in[corner as usize] = true;
-    }
-    let mut sizes = vec![0.0; mesh.vertex_count()];
-    for (vertex, area) in mesh.vertex_areas().iter().enumerate() {
-        if is_in[vertex] {
-            sizes[components[vertex] as usize] += area;
-        }
-    }
-    let mut order: Vec<usize> = (0..sizes.len())
-        .filter(|&piece| sizes[piece] > LEAST_AREA * mesh.area())
-        .collect();
-    order.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]).then(a.cmp(&b)));
-    let mut numbers = vec![None; sizes.len()];
-    for (number, piece) in order.into_iter().enumerate() {
-        numbers[piece] = Some(number as u32);
-    }
-    let of = |vertex: usize| match is_in[vertex] {
-        true => numbers[components[vertex] as usize],
-        false => None,
-    };
-    (0..is_in.len()).map(of).collect()
-}
-
-/// The rigid motion that fits a piece best.
-fn fitted(
-    mesh: &TriangleMesh,
-    rest: &[Vector3<f64>],
-    state: &State,
-    labels: &[Option<u32>],
-    piece: u32,
-) -> Motion {
-    let own = (0..rest.len()).filter(|&v| labels[v] == Some(piece));
-    let pair = |v: usize| (mesh.vertex_areas()[v], rest[v], state.positions[v]);
-    motion::fitted(
-        &own.map(pair).collect::<Vec<_>>(),
-        &Motion::none(),
-        0.0,
-        |p| p.0,
-    )
 }
 
 /// What each piece hangs on, over joints, from the pieces on that move least.
@@ -349,6 +294,11 @@ fn weights(
     Ok(weights)
 }
 
+/// The largest piece that hangs on one.
+fn first_child(parents: &[Option<usize>], piece: usize) -> Option<usize> {
+    parents.iter().position(|&parent| parent == Some(piece))
+}
+
 /// Where a piece and its parent agree, near the middle of what is between them.
 fn head(
     mesh: &TriangleMesh,
@@ -358,18 +308,28 @@ fn head(
     parents: &[Option<usize>],
     piece: usize,
 ) -> Vector3<f64> {
-    let share = |v: usize| {
-        let own = weights[[piece, v]];
-        let other = parents[piece].map_or(own, |parent| weights[[parent, v]]);
-        mesh.vertex_areas()[v] * own * other
+    // By faces: a joint may be as narrow as one.
+    let of = |piece: usize, corners: &[u32; 3]| -> f64 {
+        corners.iter().map(|&v| weights[[piece, v as usize]]).sum()
     };
-    let mean = |share: &dyn Fn(usize) -> f64| {
-        let total: f64 = (0..rest.len()).map(share).sum();
-        let sum: Vector3<f64> = (0..rest.len()).map(|v| share(v) * rest[v]).sum();
-        (total > 0.0).then(|| sum / total)
+    let faces = || mesh.triangles().iter().zip(mesh.face_areas());
+    let shares = |parent: Option<usize>| -> Vec<(f64, Vector3<f64>)> {
+        let share = |(corners, area): (&[u32; 3], &f64)| {
+            let other = parent.map_or(1.0, |parent| of(parent, corners));
+            let middle = corners.iter().map(|&v| rest[v as usize] / 3.0).sum();
+            (area * of(piece, corners) * other, middle)
+        };
+        faces().map(share).filter(|share| share.0 > 0.0).collect()
     };
-    let own = |v: usize| mesh.vertex_areas()[v] * weights[[piece, v]];
-    let middle = mean(&share).or_else(|| mean(&own)).unwrap_or_default();
+    let mut shared = shares(parents[piece]);
+    if shared.is_empty() {
+        shared = shares(None);
+    }
+    let total: f64 = shared.iter().map(|share| share.0).sum();
+    let middle: Vector3<f64> = shared
+        .iter()
+        .map(|(share, point)| share / total * point)
+        .sum();
     let Some(parent) = parents[piece] else {
         return middle;
     };
@@ -388,7 +348,11 @@ fn head(
         .cholesky()
         .map_or(moved, |cholesky| cholesky.solve(&side));
     let back = motions[parent].to(&Motion::none());
-    back.applied(&found)
+    let off = back.applied(&found) - middle;
+    let apart =
+        |(share, point): &(f64, Vector3<f64>)| share / total * (point - middle).norm_squared();
+    let reach = REACH * shared.iter().map(apart).sum::<f64>().sqrt();
+    middle + off * (reach / off.norm().max(f64::MIN_POSITIVE)).min(1.0)
 }
 
 /// The point in the direction of a piece's middle that is as far as its farthest vertex.
