@@ -1,5 +1,8 @@
 //! The largest ball that reaches each vertex.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -126,8 +129,12 @@ impl<'a> Walk<'a> {
         let farthest = (REACH * ball.radius).powi(2);
         let mut claimed = vec![ball.vertex];
         self.aside[ball.vertex as usize] = (self.count, 0.0);
-        let mut front = vec![ball.vertex];
-        while let Some(vertex) = front.pop() {
+        // Those that nothing lies aside of, then the nearest ones first, so that each is left once.
+        let (mut facing, mut others) = (vec![ball.vertex], BinaryHeap::new());
+        while let Some(vertex) = facing
+            .pop()
+            .or_else(|| others.pop().map(|Reverse((_, vertex))| vertex))
+        {
             let (_, before) = self.aside[vertex as usize];
             for &face in incidence.faces(vertex) {
                 if self.last[face as usize] == self.count {
@@ -155,7 +162,11 @@ impl<'a> Walk<'a> {
                     let is_nearer = known.0 != self.count || aside < known.1;
                     if is_nearer && aside <= ASIDE * ball.radius {
                         self.aside[corner as usize] = (self.count, aside);
-                        front.push(corner);
+                        match aside == 0.0 {
+                            true => facing.push(corner),
+                            // The bits of numbers from 0 on are ordered as they are.
+                            false => others.push(Reverse((aside.to_bits(), corner))),
+                        }
                     }
                 }
             }
