@@ -12,7 +12,7 @@ from .arap import AT_A_TIME, Arap
 from .laplacian_deform import LaplacianDeform
 from .meshes import Shape
 from .page import Page
-from .timing import RUNS, interleaved
+from .timing import RUNS, interleaved, rate
 from .turn import DEGREES, HIGH, LOW, Turn
 
 TOLERANCE = 1e-4  # the default
@@ -126,12 +126,12 @@ def dragging(turn: Turn) -> list[str]:
         for arap, count in zip(araps, FRAME_ITERATIONS, strict=True)
     ]
     works += [lambda modifier=modifier: modifier.step(told()) for modifier in modifiers]
-    rates = [1 / seconds for seconds in interleaved(*works, runs=FRAMES)]
+    rates = [rate(seconds) for seconds in interleaved(*works, runs=FRAMES)]
     for modifier in modifiers:
         modifier.remove()
     lags = [turn.distance(shapes[-1], poser.solve(turn.targets(), tolerance=SETTLED).vertices)]
     released = [arap.shape for arap in araps]
     araps[-1].settle(told(), SETTLED_MOVEMENT)  # once: it takes minutes
     lags += [turn.distance(shape, araps[-1].shape) for shape in released]
-    cells = [f"{rate:.0f} ({lag:.1%})" for rate, lag in zip(rates, lags, strict=False)]
-    return [*cells, *(f"{rate:.0f}" for rate in rates[len(lags) :])]
+    cells = [f"{often} ({lag:.1%})" for often, lag in zip(rates, lags, strict=False)]
+    return [*cells, *rates[len(lags) :]]
