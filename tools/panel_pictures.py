@@ -16,7 +16,7 @@ PICTURES = {
     "panel_bands": ("4_bands", 328, 796),
     "panel_filters": ("4_bands", 796, 982),
     "panel_curve": ("panel_curve", 1131, 1445),
-    "panel_deform": ("panel_deform", 389, 796),
+    "panel_deform": ("panel_deform", 389, 889),
     "panel_attributes": ("panel_attributes", 851, 1176),
     "panel_values": ("panel_values", 1116, 1355),
 }

@@ -36,8 +36,8 @@ PINCHED, SMALL_PINCHED = (26, 66), (8, 12)
 ESTIMATED, SMALL_ESTIMATED = (32, 64, 128, 316), (8, 16)
 
 
-# Made along with "steps", "deformation" and "posing".
-ALONG = ("memory", "dragging", "rigid", "pose_dragging")
+# Made along with "steps" and "deformation".
+ALONG = ("memory", "dragging", "rigid")
 NAMES = tuple(name for name in TABLES if name not in ALONG)
 
 
@@ -88,6 +88,7 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         "eigenpairs": lambda page: eigenpairs.report(page, *of_eigenpairs, everything=not least),
         "deformation": lambda page: deformation.report(page, pulled),
         "posing": lambda page: posing.report(page, posed),
+        "pose_dragging": lambda page: posing.report_dragging(page, files or pinched),
         "live": lambda page: live.report(page, files or pinched),
         "smoothing": lambda page: smoothing.report(page, shapes),
         "interruption": lambda page: interruption.report(page, shapes),

@@ -12,6 +12,7 @@ import numpy as np
 
 from .meshes import Shape, pinched_sphere, read
 from .page import Page
+from .timing import rate
 from .turn import DEGREES
 
 ALGORITHMS = {"POSE": "Pose", "CONVEX": "Total Variation"}
@@ -39,7 +40,7 @@ def report(page: Page, shapes: list[tuple[str, Shape]]) -> None:
                 found = measured(shape, algorithm)
                 row(
                     name, len(shape[0]), label, f"{1e3 * found['reading']:.0f} ms",
-                    f"{1 / found['mean']:.0f}", f"{1e3 * found['slowest']:.0f} ms",
+                    rate(found["mean"]), f"{1e3 * found['slowest']:.0f} ms",
                     f"{found['lag']:.1%}", found["rough"], f"{found['settling']:.2f} s",
                     f"{found['before']:.0f} MB", f"{found['most']:.0f} MB",
                 )  # fmt: skip

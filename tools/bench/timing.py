@@ -27,3 +27,8 @@ def timed(work: Callable[[], object]) -> float:
     started = time.perf_counter()
     measured = work()
     return measured if isinstance(measured, float) else time.perf_counter() - started
+
+
+def rate(seconds: float) -> str:
+    """How often a second a work is done, as text."""
+    return f"{1 / seconds:.0f}" if seconds < 0.1 else f"{1 / seconds:.1f}"
