@@ -13,7 +13,7 @@ HEADER = 28
 def others() -> Steps[None]:
     """With the dumbbell and its vertex groups active, and Deform open."""
     obj = bpy.context.object
-    x, y = yield from find("spectral_tv.deform(", column=0.3)
+    x, y = yield from find("spectral_tv.rig_from_pose(", column=0.3)
     below = y - NEXT_HEADER - HEADER
     yield from attributes(obj, x, below - 2 * HEADER)
     yield from segment(obj, x, below - HEADER)
