@@ -99,7 +99,7 @@ impl Handles {
 ///
 /// # Errors
 /// [`crate::Error::Memory`].
-pub(crate) fn require(needed: u64, mesh: &TriangleMesh, stage: Stage) -> Result<()> {
+pub(super) fn require(needed: u64, mesh: &TriangleMesh, stage: Stage) -> Result<()> {
     let what = format!("deforming {} vertices", mesh.vertex_count());
     stage.require(needed, &what, SMALLER)
 }

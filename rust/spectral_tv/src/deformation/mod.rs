@@ -23,6 +23,5 @@ pub use algorithm::Algorithm;
 pub use constraints::Constraints;
 pub use deform::{Settings, deform, deform_with};
 pub use deformer::Deformer;
-pub(crate) use deformer::require;
 pub use outcome::Deformation;
 pub(crate) use rotation::nearest_rotation;

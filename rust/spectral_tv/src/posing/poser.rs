@@ -3,7 +3,6 @@
 use nalgebra::UnitQuaternion;
 use ndarray::Array2;
 
-use crate::deformation::require;
 use crate::error::Result;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
@@ -55,7 +54,11 @@ impl Poser {
         stage: Stage,
     ) -> Result<Self> {
         settings.check()?;
-        require(needs::deformation(needs::Size::of(mesh)), mesh, stage)?;
+        stage.require(
+            needs::pose(needs::Size::of(mesh)),
+            &format!("posing {} vertices", mesh.vertex_count()),
+            "take a mesh of fewer vertices",
+        )?;
         let parameters = Parameters::new(&settings, handles.diagonal());
         let levels = Levels::new(mesh, &handles, parameters, stage)?;
         let current = Current::at_rest(&handles);
