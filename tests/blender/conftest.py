@@ -26,7 +26,12 @@ if not IN_BLENDER:  # the module reads the variable on import; the user's own fi
     os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES.name
 
 # What its Python lacks packages for, or the tools; there the command line is judged from outside.
-OUTSIDE = ["test_gallery_bands.py", "test_picture_files.py", "test_picture_headers.py"]
+OUTSIDE = [
+    "test_gallery_bands.py",
+    "test_limb_turns.py",
+    "test_picture_files.py",
+    "test_picture_headers.py",
+]
 collect_ignore = OUTSIDE if IN_BLENDER else []
 
 import bpy  # noqa: E402

@@ -79,11 +79,21 @@ class Studio:
         low, high = self._extent(vertices_of(obj.data))
         camera = bpy.data.cameras.new("Studio")
         camera.type = "ORTHO"
+        self._frame: tuple[np.ndarray, np.ndarray] | None = None
+        self._margin = margin
         self._scale = float((high - low)[:2].max()) * (1 + margin)
         self._distance = 2 * self._scale + float(high[2] - low[2])
         camera.clip_end = 100 * self._distance
         self.scene.camera = self._add("Camera", camera)
         self.scene.camera.rotation_euler = self._turn.to_euler()
+
+    def hold_still(self, shapes: Sequence[np.ndarray]) -> None:
+        """Have the camera stay where it sees each of some (V, 3) positions, as for a film."""
+        extents = [self._extent(vertices) for vertices in shapes]
+        low = np.min([each[0] for each in extents], axis=0)
+        high = np.max([each[1] for each in extents], axis=0)
+        self._frame = low, high
+        self._scale = float((high - low)[:2].max()) * (1 + self._margin)
 
     def shoot(
         self,
@@ -93,7 +103,8 @@ class Studio:
     ) -> Image.Image:
         """Photograph the mesh with other vertex positions, centred in the picture.
 
-        The scale is that of the mesh's own shape, or smaller where a shape would not fit.
+        The scale is that of the mesh's own shape, or smaller where a shape would not fit. After
+        `hold_still` centre and scale stay.
 
         Parameters
         ----------
@@ -120,7 +131,7 @@ class Studio:
         is_marked[np.asarray(marked, dtype=int)] = 1
         self._mesh.polygons.foreach_set("material_index", is_marked)
         self._mesh.update()
-        low, high = self._extent(vertices)
+        low, high = self._frame or self._extent(vertices)
         self.scene.camera.data.ortho_scale = max(self._scale, 1.02 * (high - low)[:2].max())
         eye = (low + high) / 2
         eye[2] = high[2] + self._distance

@@ -30,6 +30,7 @@ FIGURES = (
     "caricature",
     "perturbation",
     "deformations",
+    "poses",
     "displacement",
     "accuracy",
     "clouds",

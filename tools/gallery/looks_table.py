@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import numpy as np
 import spectral_tv
 
 from .gallery import Gallery
 from .shipped import COUNT, PAPER, SHIPPED, mixed
+from .tables import write_row
 
 # Of the columns: every band removed, and the largest doubled.
 REMOVED, DOUBLED = np.full(COUNT, -1), np.eye(COUNT)[-1]
@@ -30,7 +28,7 @@ def make(gallery: Gallery) -> None:
                 for values in (REMOVED, DOUBLED)
                 for found in bands
             ]
-            _write(page, method, f"{begin} {' | '.join(cells)} |")
+            write_row(page, method, f"{begin} {' | '.join(cells)} |")
 
 
 def _measured(mesh: spectral_tv.Mesh, shape: np.ndarray) -> str:
@@ -39,20 +37,3 @@ def _measured(mesh: spectral_tv.Mesh, shape: np.ndarray) -> str:
     found = spectral_tv.folds(mesh, moved)
     crossing = len(spectral_tv.self_intersections(mesh, moved))
     return f"{len(found.flipped)} / {crossing} / {found.largest_stretch:.1f}"
-
-
-def _write(page: Path, method: str, row: str) -> None:
-    """Put a row of a table, between markers, in the place of the one with its name."""
-    text = page.read_text(encoding="utf-8")
-    place = re.search(rf"<!-- {method} -->\n(.*?)<!-- /{method} -->", text, re.DOTALL)
-    if place is None:
-        raise SystemExit(f"{page} lacks the markers <!-- {method} --> <!-- /{method} -->")
-    name = row.split(" | ", maxsplit=1)[0]
-    lines = place[1].splitlines()
-    known = [line.split(" | ")[0] for line in lines]
-    if name in known:
-        lines[known.index(name)] = row
-    else:
-        lines.append(row)
-    body = "\n".join(lines)
-    page.write_text(f"{text[: place.start(1)]}{body}\n{text[place.end(1) :]}", encoding="utf-8")

@@ -39,9 +39,11 @@ class Shape:
         """The same for the library."""
         return spectral_tv.Mesh(self.vertices, self.triangles)
 
-    def photograph(self, shots: Sequence[Shot], cell: int = CELL) -> list[Image.Image]:
+    def photograph(
+        self, shots: Sequence[Shot], cell: int = CELL, *, is_still: bool = False
+    ) -> list[Image.Image]:
         """Photographs of (positions, linear colors or None, faces marked, if any), all at the
-        scale of the shape.
+        scale of the shape; or by a camera that stays where it sees all of them.
         """
         with temporary_data():
             data = bpy.data.meshes.new("Shape")
@@ -55,6 +57,8 @@ class Shape:
                 samples=SAMPLES,
                 smooth=self.smooth,
             )
+            if is_still:
+                studio.hold_still([shot[0] for shot in shots])
             return [studio.shoot(*shot) for shot in shots]
 
     def positions(self, shapes: Sequence[np.ndarray], cell: int = CELL) -> list[Image.Image]:
