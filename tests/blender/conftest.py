@@ -27,6 +27,7 @@ if not IN_BLENDER:  # the module reads the variable on import; the user's own fi
 
 # What its Python lacks packages for, or the tools; there the command line is judged from outside.
 OUTSIDE = [
+    "test_bench_posing.py",
     "test_gallery_bands.py",
     "test_limb_turns.py",
     "test_picture_files.py",
