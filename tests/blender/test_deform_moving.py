@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import spectral_tv
 from conftest import MODULE
-from deform_scene import evaluated, handle, key_positions, members
+from deform_scene import evaluated, handle, key_positions, live_of, members, update
 from mathutils import Vector
 
 
@@ -42,11 +42,11 @@ def test_baking_gives_each_frame_its_shape(held):
 
 
 def test_a_live_deformation_follows_and_settles_at_the_optimum(held):
-    live = import_module(f"{MODULE}.deformation.live").LiveDeformation(held)
+    live = live_of(held)
     for _ in range(10):
         handle(held).location += Vector((0.05, 0, 0.02))
         bpy.context.view_layer.update()
-        assert live.update()
+        assert update(live)
         head = members(held, "Head")
         moved = (key_positions(held) - key_positions(held, "Basis"))[head, 0]
         np.testing.assert_allclose(moved, handle(held).location.x, atol=1e-6)
@@ -64,8 +64,8 @@ def test_a_live_deformation_follows_and_settles_at_the_optimum(held):
 
 def test_a_live_deformation_ends_when_the_mesh_changes(held):
     refusal = import_module(f"{MODULE}.scene.objects").Refusal
-    live = import_module(f"{MODULE}.deformation.live").LiveDeformation(held)
-    live.update()
+    live = live_of(held)
+    update(live)
     held.data.vertices.add(1)
     with pytest.raises(refusal, match="vertices or faces changed"):
         live.update()
@@ -77,7 +77,7 @@ def test_what_is_there_for_comparison_does_not_follow_handles(held):
     with pytest.raises(RuntimeError, match="need the algorithm Pose or Total Variation"):
         bpy.ops.spectral_tv.bake_deformation(frame_end=2)
     with pytest.raises(refusal, match="need the algorithm Pose or Total Variation"):
-        import_module(f"{MODULE}.deformation.live").LiveDeformation(held)
+        live_of(held)
     assert held.data.shape_keys is None
     bpy.ops.spectral_tv.deform()
 
