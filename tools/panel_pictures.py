@@ -13,12 +13,12 @@ PICTURES = {
     "panel_decompose": ("1_tab", 84, 328),
     "panel_progress": ("2_progress", 84, 328),
     "panel_scales": ("panel_base_limbs", 84, 497),
-    "panel_bands": ("4_bands", 328, 796),
-    "panel_filters": ("4_bands", 796, 982),
-    "panel_curve": ("panel_curve", 1131, 1445),
+    "panel_bands": ("4_bands", 328, 820),
+    "panel_filters": ("4_bands", 820, 1006),
+    "panel_curve": ("panel_curve", 1155, 1469),
     "panel_deform": ("panel_deform", 389, 889),
-    "panel_attributes": ("panel_attributes", 851, 1176),
-    "panel_values": ("panel_values", 1116, 1355),
+    "panel_attributes": ("panel_attributes", 945, 1216),
+    "panel_values": ("panel_values", 1216, 1455),
 }
 
 
