@@ -6,9 +6,10 @@ from bpy.props import EnumProperty
 
 from ..scene import mix
 from ..scene.applying import FOLLOWERS
+from ..scene.keeping import Band
 from ..scene.look import become
 from ..scene.notes import note
-from ..scene.objects import Refusal
+from ..scene.objects import Refusal, take_place
 from ..scene.records import bands_of, forget, keeping_of, record_of
 from .set_bands import BandsOperator, bands_refusal
 
@@ -37,28 +38,27 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
     @classmethod
     def description(cls, _context, properties) -> str:
         copied = " of a copy" if properties.place == "COPY" else ""
-        return f"{cls.__doc__.replace('of the mesh', f'of the mesh{copied}')}"
+        return cls.__doc__.replace("of the mesh", f"of the mesh{copied}")
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
-        _note_animated(obj)
+        bands = _bands(obj)
+        _note_animated(obj, bands)
         # What the bands do now, masks and mutes included.
-        bands = [key for key in bands_of(obj) if key is not None]
         parts = [part.displacement(obj) for part in mix.parts(obj) if part.key in bands]
         if not parts:
             raise Refusal("the bands change nothing at their present values")
         displacement = np.sum(parts, axis=0)
         users = [each.name for each in context.blend_data.objects if each.data == obj.data]
         if self.place == "COPY":
-            obj = _copied(context, obj)
+            obj = _copied(obj)
         elif len(users) > 1:
             note(f"the mesh is shared: {', '.join(users)} have the shape now")
-        spent = [key for key in bands_of(obj) if key is not None]
+        spent = _bands(obj)
         forget(record_of(obj))
         renewals = [follow(obj) for follow in FOLLOWERS]
         become(obj, displacement, spent)
         for renew in renewals:
-            if obj.data.shape_keys is not None:
-                renew()
+            renew()
         left = "" if obj.data.shape_keys is not None else "; it has no shape keys any more"
         return f"{len(spent)} bands became the shape of {obj.name!r}{left}"
 
@@ -76,9 +76,13 @@ def look_refusal(obj: bpy.types.Object | None) -> str | None:
     return None
 
 
-def _note_animated(obj: bpy.types.Object) -> None:
+def _bands(obj: bpy.types.Object) -> list[Band]:
+    """Those that are there."""
+    return [band for band in bands_of(obj) if band is not None]
+
+
+def _note_animated(obj: bpy.types.Object, bands: list[Band]) -> None:
     animation = keeping_of(record_of(obj)).animation_of
-    bands = [key for key in bands_of(obj) if key is not None]
     moving = [key.name for key in bands if animation(key, "value")]
     if moving:
         note(f"animated, applied as they are on this frame: {', '.join(moving)}")
@@ -86,16 +90,13 @@ def _note_animated(obj: bpy.types.Object) -> None:
         note("one band is soloed, and is applied alone")
 
 
-def _copied(context: bpy.types.Context, obj: bpy.types.Object) -> bpy.types.Object:
+def _copied(obj: bpy.types.Object) -> bpy.types.Object:
     """A copy with a mesh of its own, now the active object; ``obj`` is hidden."""
     copy = obj.copy()
     copy.data = obj.data.copy()
     copy.name = f"{obj.name} Look"
     for collection in obj.users_collection:
         collection.objects.link(copy)
-    obj.select_set(False)
-    obj.hide_set(True)
-    copy.select_set(True)
-    context.view_layer.objects.active = copy
+    take_place(copy, obj)
     note(f"{obj.name!r} is hidden")
     return copy

@@ -12,7 +12,7 @@ from ..job.operator import JobOperator
 from ..job.together import Together
 from ..scene import applied
 from ..scene.notes import note
-from ..scene.objects import Refusal, distinct_meshes
+from ..scene.objects import Refusal, distinct_meshes, take_place
 from ..scene.surface import Surface
 from ..scene.whole import whole
 from .bands import add_bands, prepare_together, recall, start_split
@@ -72,9 +72,6 @@ def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:
     if len(copy.data.vertices) != len(surface.place):
         bpy.data.meshes.remove(copy.data)
         raise Refusal("nothing was written, as what its modifiers show changed in the meantime")
-    obj.select_set(False)
-    obj.hide_set(True)
-    copy.select_set(True)
-    bpy.context.view_layer.objects.active = copy
+    take_place(copy, obj)
     note(f"the bands are on {copy.name!r}, with its modifiers applied; {obj.name!r} is hidden")
     return copy

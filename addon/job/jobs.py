@@ -11,14 +11,9 @@ from ..scene.contents import digest, topology_digest
 from ..scene.coordinates import basis_coordinates
 from ..scene.objects import Refusal, distinct_meshes, refusal
 from . import faults
-from .steps import Steps
-from .together import Together
+from .steps import Work
 
 T = TypeVar("T")
-
-
-# What may run.
-Work = spectral_tv.Job | Together | Steps
 
 
 @dataclass(frozen=True, eq=False)

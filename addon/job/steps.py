@@ -10,7 +10,7 @@ from .together import Together
 T = TypeVar("T")
 
 # A job, and the fraction of all the work that is done when it ends.
-Step = tuple["spectral_tv.Job | Together | Steps", float]
+Step = tuple["Work", float]
 
 
 def in_turn(
@@ -80,3 +80,7 @@ class Steps(Generic[T]):
             self._job.result()
             raise spectral_tv.Cancelled("cancelled")
         return self._result
+
+
+# What may run.
+Work = spectral_tv.Job | Together | Steps

@@ -75,3 +75,11 @@ def distinct_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
             raise Refusal(f"{obj.name}: {reason}")
         found.setdefault(obj.data, obj)
     return list(found.values())
+
+
+def take_place(obj: bpy.types.Object, other: bpy.types.Object) -> None:
+    """Have ``obj`` be active and selected instead of another object, which is hidden."""
+    other.select_set(False)
+    other.hide_set(True)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj

@@ -88,7 +88,7 @@ class Follower(Solver):
         """Prepare, and solve for one after the other, in a thread."""
 
         def steps():
-            self._state = yield self._start_preparing(), PREPARING
+            yield self.prepare(), PREPARING
             return (yield from self._solve_in_turn(targets, PREPARING))
 
         return Steps(steps())

@@ -99,13 +99,13 @@ impl Current {
         carried.carry(&mut origin);
         let mut fine = levels.lift.carry(&origin, &start, &coarse);
         levels.fine.place(&goals, &mut fine);
-        levels.fine.place(&goals, &mut origin);
         let last = std::mem::replace(&mut self.state, fine);
         (self.goals, self.motion) = (goals, motion);
         let is_resting = self.targets.as_deref() == Some(targets);
         self.targets = Some(targets.to_vec());
         let mut energy = self.smooth(levels, stage)?;
         if is_resting {
+            levels.fine.place(&self.goals, &mut origin);
             energy = self.further(levels, &origin, energy);
         }
         Ok(Reached {

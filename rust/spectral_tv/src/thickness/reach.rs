@@ -131,11 +131,15 @@ impl<'a> Walk<'a> {
         self.aside[ball.vertex as usize] = (self.count, 0.0);
         // Those that nothing lies aside of, then the nearest ones first, so that each is left once.
         let (mut facing, mut others) = (vec![ball.vertex], BinaryHeap::new());
-        while let Some(vertex) = facing
+        let nearest = |Reverse((bits, vertex))| (f64::from_bits(bits), vertex);
+        while let Some((before, vertex)) = facing
             .pop()
-            .or_else(|| others.pop().map(|Reverse((_, vertex))| vertex))
+            .map(|vertex| (0.0, vertex))
+            .or_else(|| others.pop().map(nearest))
         {
-            let (_, before) = self.aside[vertex as usize];
+            if before > self.aside[vertex as usize].1 {
+                continue; // left by a nearer way
+            }
             for &face in incidence.faces(vertex) {
                 if self.last[face as usize] == self.count {
                     continue;
