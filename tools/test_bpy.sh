@@ -13,7 +13,7 @@ os._exit(status)'
 # test_in PYTHON ITS_VERSION BPY_VERSION REQUIREMENT…
 test_in() {
   local packages=.build/bpy-$3
-  local requirements="bpy==$3 pytest>=8 openexr>=3.3 pillow>=10.1 pypng tifffile ${*:4}"
+  local requirements="bpy==$3 pytest>=9 openexr>=3.3 pillow>=10.1 pypng tifffile ${*:4}"
   if [[ ! -f $packages/.installed || $(<"$packages/.installed") != "$requirements" ]]; then
     rm -rf "$packages"
     # shellcheck disable=SC2086  # a list of words

@@ -202,8 +202,8 @@ import bpy
 bpy.ops.preferences.addon_enable(module="bl_ext.user_default.spectral_tv")
 code = sys.modules["bl_ext.user_default.spectral_tv"].command_line.run(sys.argv[1:])
 bpy.ops.preferences.addon_disable(module="bl_ext.user_default.spectral_tv")
-# At the interpreter's end bpy 4.2 crashes.
-(os._exit if bpy.app.version < (4, 3) else sys.exit)(code)
+# At the interpreter's end bpy 4.2 crashes, and 4.5 sometimes waits for ever.
+(os._exit if bpy.app.version < (5, 0) else sys.exit)(code)
 """
 
 
