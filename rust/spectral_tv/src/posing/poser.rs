@@ -78,6 +78,7 @@ impl Poser {
         settings.check()?;
         let parameters = Parameters::new(&settings, self.handles.diagonal());
         self.levels.set_parameters(parameters);
+        self.current.numbers = None;
         self.settings = settings;
         Ok(())
     }
@@ -109,6 +110,7 @@ impl Poser {
             goals,
             motion,
             targets: Some(snapshot.targets),
+            numbers: None,
         };
         Ok(())
     }
