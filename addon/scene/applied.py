@@ -13,12 +13,16 @@ def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
 
 def copy_of(obj: bpy.types.Object) -> bpy.types.Object:
     """A new object of what is seen of ``obj``, in its collections."""
-    mesh = mesh_of(obj)
-    mesh.name = f"{obj.data.name} Applied"
+    return object_of(mesh_of(obj), obj, "Applied")
+
+
+def object_of(mesh: bpy.types.Mesh, obj: bpy.types.Object, label: str) -> bpy.types.Object:
+    """A new object like ``obj`` with a shape of its own and no modifiers, in its collections."""
+    mesh.name = f"{obj.data.name} {label}"
     copy = obj.copy()
-    copy.name = f"{obj.name} Applied"
+    copy.name = f"{obj.name} {label}"
     copy.data = mesh
-    copy.modifiers.clear()
+    _undress(copy)
     for collection in obj.users_collection:
         collection.objects.link(copy)
     return copy
@@ -29,4 +33,12 @@ def apply(obj: bpy.types.Object) -> None:
     mesh = mesh_of(obj)
     mesh.name = obj.data.name
     obj.data = mesh
+    _undress(obj)
+
+
+def _undress(obj: bpy.types.Object) -> None:
+    """Leave nothing that changes the shape of ``obj`` once more, or hides keys it is given."""
     obj.modifiers.clear()
+    obj.show_only_shape_key = False
+    if obj.parent_type in ("ARMATURE", "LATTICE"):  # a parent that bends its children
+        obj.parent_type = "OBJECT"
