@@ -2,6 +2,9 @@
 
 import bpy
 
+# What is selected in Edit Mode. Of edges that a modifier adds Blender leaves it to chance.
+SELECTED = (".select_vert", ".select_edge", ".select_poly")
+
 
 def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
     """A new mesh of what is seen of ``obj`` now: its keys and its modifiers applied."""
@@ -19,6 +22,9 @@ def copy_of(obj: bpy.types.Object) -> bpy.types.Object:
 def object_of(mesh: bpy.types.Mesh, obj: bpy.types.Object, label: str) -> bpy.types.Object:
     """A new object like ``obj`` with a shape of its own and no modifiers, in its collections."""
     mesh.name = f"{obj.data.name} {label}"
+    for name in SELECTED:
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
     copy = obj.copy()
     copy.name = f"{obj.name} {label}"
     copy.data = mesh
