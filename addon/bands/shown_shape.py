@@ -20,20 +20,23 @@ def read(obj: bpy.types.Object, shape: str, reading: Reading) -> Surface:
         return Surface.read_mesh(now.made(_mesh(obj, shape)), obj.matrix_world, reading)
 
 
-def move_to_new(obj: bpy.types.Object, shape: str, surface: Surface) -> bpy.types.Object:
-    """The new object with the shape that was read, in the place of ``obj``; now the active one.
-
-    Raises Refusal if the shape is another one by now.
-    """
+def new_object(obj: bpy.types.Object, shape: str, surface: Surface) -> bpy.types.Object:
+    """A new object with the shape that was read; raises Refusal if it is another one by now."""
     mesh = _mesh(obj, shape)
     if not surface.is_of(mesh):
         bpy.data.meshes.remove(mesh)
         raise Refusal("nothing was written, as what is shown changed in the meantime")
     if shape == "MULTIRES":
-        new = work_objects.make(obj, mesh)
+        return work_objects.make(obj, mesh)
+    return applied.object_of(mesh, obj, "Applied")
+
+
+def move_to_new(obj: bpy.types.Object, shape: str, surface: Surface) -> bpy.types.Object:
+    """The same in the place of ``obj``; now the active one."""
+    new = new_object(obj, shape, surface)
+    if shape == "MULTIRES":
         note(f"the bands are on {new.name!r}; Write Back gives {obj.name!r} its shape")
     else:
-        new = applied.object_of(mesh, obj, "Applied")
         obj.hide_render = True
         note(
             f"the bands are on {new.name!r}, with its modifiers applied; {obj.name!r} is hidden, "
