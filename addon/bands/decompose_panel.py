@@ -9,7 +9,7 @@ from ..options import rows
 from ..scene.modifiers import between
 from ..scene.objects import is_mesh, refusal, selected_meshes
 from .decompose import SPECTRAL_TV_OT_decompose
-from .shapes import remarks
+from .shapes import remarks, vertex_count
 
 
 class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
@@ -35,7 +35,7 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
             settings = choices.settings()
             for text in remarks(obj, settings):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
-            draw_needs(layout, context, settings.needs(len(obj.data.vertices)))
+            draw_needs(layout, context, settings.needs(vertex_count(obj, settings)))
         draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
         if reason is None and len(selected_meshes(context)) > 1:
             together = draw_button(

@@ -54,6 +54,12 @@ def groups(objects: Sequence[bpy.types.Object], settings: Settings) -> list[list
     return [[objects[index] for index in indices] for indices in found]
 
 
+def vertex_count(obj: bpy.types.Object, settings: Settings) -> int:
+    """How many vertices are decomposed; for panels, which ask at every redraw."""
+    is_own = settings.shape not in ON_NEW_OBJECT
+    return len(obj.data.vertices) if is_own else shown_shape.count(obj, settings.shape)
+
+
 def remarks(obj: bpy.types.Object, settings: Settings) -> list[str]:
     """What of ``obj`` is seen but not decomposed, or decomposed but not its Basis."""
     if settings.shape in ON_NEW_OBJECT:

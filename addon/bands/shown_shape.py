@@ -14,6 +14,15 @@ from ..scene.surface import Reading, Surface
 from ..scene.temporary import Temporary
 
 
+def count(obj: bpy.types.Object, shape: str) -> int:
+    """How many vertices such a shape has, as far as Blender has worked it out already."""
+    if shape == "MULTIRES":
+        has_levels = multires.levels_refusal(obj) is None
+        return multires.top_count(obj) if has_levels else len(obj.data.vertices)
+    graph = bpy.context.view_layer.depsgraph
+    return len((obj if graph is None else obj.evaluated_get(graph)).data.vertices)
+
+
 def read(obj: bpy.types.Object, shape: str, reading: Reading) -> Surface:
     """The surface of such a shape; raises Refusal or spectral_tv.MeshError if it cannot be read."""
     with Temporary() as now:

@@ -50,6 +50,17 @@ def levels_refusal(obj: bpy.types.Object) -> str | None:
     return None
 
 
+def top_count(obj: bpy.types.Object) -> int:
+    """How many vertices the top level has, worked out without it."""
+    mesh = obj.data
+    vertices, edges, corners = len(mesh.vertices), len(mesh.edges), len(mesh.loops)
+    faces = len(mesh.polygons)
+    for _ in range(modifier_of(obj).total_levels):
+        vertices, edges, faces = vertices + edges + faces, 2 * edges + corners, corners
+        corners = 4 * faces
+    return vertices
+
+
 def top_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     """A new mesh of the top level of ``obj`` at rest: of Basis, and without other modifiers.
 

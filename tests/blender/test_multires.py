@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
+from conftest import MODULE
 from contents import contents, differences
 from deform_scene import evaluated
 from mathutils.kdtree import KDTree
@@ -250,3 +252,9 @@ def test_objects_without_levels_are_refused():
     obj.modifiers.new("Multires", "MULTIRES")
     with pytest.raises(RuntimeError, match="has no levels"):
         bpy.ops.spectral_tv.work_object()
+
+
+def test_the_estimate_is_of_the_top_level(head):
+    count = import_module(f"{MODULE}.bands.shown_shape").count
+    assert count(head, "MULTIRES") == len(at_rest(head, 3))
+    assert count(head, "APPLIED") == len(evaluated(head)) == len(at_rest(head, 1))
