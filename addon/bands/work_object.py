@@ -4,6 +4,7 @@ import bpy
 
 from ..job.operator import ChangeOperator
 from ..scene import multires, work_objects
+from ..scene.coordinates import points
 from ..scene.notes import note
 from ..scene.objects import refusal, take_place
 from ..scene.temporary import Temporary
@@ -24,7 +25,8 @@ class SPECTRAL_TV_OT_work_object(ChangeOperator, bpy.types.Operator):
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
         with Temporary() as now:
             mesh = multires.top_mesh(obj)
-            there = [each for each in _shown_here(obj) if work_objects.is_as_seen(each, mesh)]
+            places = points(mesh.vertices)
+            there = [each for each in _shown_here(obj) if work_objects.is_as_seen(each, places)]
             if there:
                 now.made(mesh)
                 there[0].hide_set(False)

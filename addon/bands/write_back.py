@@ -60,21 +60,20 @@ def write_back(work: bpy.types.Object) -> multires.Given:
     source = work.spectral_tv_work.source
     if not is_kept_up(work):
         raise Refusal("it is hidden, so that Blender does not work out its shape; show it")
-    _tell(work, source)
     with Temporary() as now:
         given = multires.give(source, now.made(applied.mesh_of(work)))
-    with Temporary() as now:
-        work_objects.remember(work, source, now.made(multires.top_mesh(source)))
-    return given
-
-
-def _tell(work: bpy.types.Object, source: bpy.types.Object) -> None:
-    """Note what is lost, or is not what it looks like."""
-    if work_objects.was_sculpted(work):
+    if not work_objects.is_as_seen(work, given.before):
         note(
             f"{source.name!r} was sculpted since this was made or written back; what was sculpted "
             "there is written over"
         )
+    _tell(work, source)
+    work_objects.remember(work, source, given.after)
+    return given
+
+
+def _tell(work: bpy.types.Object, source: bpy.types.Object) -> None:
+    """Note what is not what it looks like."""
     places = [np.array(each.matrix_world) for each in (work, source)]
     if not np.allclose(*places, rtol=MOVED, atol=MOVED * np.abs(places).max()):
         note(f"how it was moved, turned or scaled beside {source.name!r} is not written back")

@@ -13,7 +13,7 @@ import numpy as np
 
 from .applied import mesh_of
 from .contents import topology_digest
-from .coordinates import points
+from .coordinates import points, seen_coordinates
 from .objects import Refusal
 from .temporary import Temporary
 
@@ -24,8 +24,12 @@ EXACT = 1e-5
 
 @dataclass(frozen=True)
 class Given:
-    """What became of a shape: how far a vertex is from it at most, relative to its size."""
+    """What became of a shape that was given: where the vertices were ``before``, (V, 3), and are
+    ``after``; and how far one is from its place at most, relative to the size.
+    """
 
+    before: np.ndarray
+    after: np.ndarray
     farthest: float
 
 
@@ -82,13 +86,14 @@ def give(obj: bpy.types.Object, shape: bpy.types.Mesh) -> Given:
         trial = now.made(obj.data.copy())
         with _resting(obj, trial) as probe:
             _ensure_alike(obj, probe, shape)
+            before = seen_coordinates(probe)
             _reshape(probe, shape)
             _measure(probe, shape)
     with _resting(obj, obj.data) as probe:
         _reshape(probe, shape)
-        given = _measure(probe, shape)
+        after, farthest = _measure(probe, shape)
     obj.data.update_tag()
-    return given
+    return Given(before, after, farthest)
 
 
 def _ensure(obj: bpy.types.Object) -> None:
@@ -121,16 +126,15 @@ def _resting(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> Iterator[bpy.types.
 
 
 def _ensure_alike(obj: bpy.types.Object, probe: bpy.types.Object, shape: bpy.types.Mesh) -> None:
-    with Temporary() as now:
-        top = now.made(mesh_of(probe))
-        counts = [len(each.vertices) for each in (top, shape)]
-        if counts[0] != counts[1]:
-            raise Refusal(
-                f"the top level of {obj.name!r} has {counts[0]} vertices now, but the shape has "
-                f"{counts[1]}; levels were added or deleted, or a modifier adds vertices"
-            )
-        if topology_digest(top) != topology_digest(shape):
-            raise Refusal(f"the top level of {obj.name!r} has other faces now than the shape")
+    top = probe.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    counts = [len(each.vertices) for each in (top, shape)]
+    if counts[0] != counts[1]:
+        raise Refusal(
+            f"the top level of {obj.name!r} has {counts[0]} vertices now, but the shape has "
+            f"{counts[1]}; levels were added or deleted, or a modifier adds vertices"
+        )
+    if topology_digest(top) != topology_digest(shape):
+        raise Refusal(f"the top level of {obj.name!r} has other faces now than the shape")
     if not np.isfinite(points(shape.vertices)).all():
         raise Refusal("the shape has a vertex without a finite place")
 
@@ -152,11 +156,11 @@ def _reshape(probe: bpy.types.Object, shape: bpy.types.Mesh) -> None:
         raise Refusal("Blender's Reshape did nothing")
 
 
-def _measure(probe: bpy.types.Object, shape: bpy.types.Mesh) -> Given:
-    """How far what ``probe`` shows is from a shape; raises Refusal if it is not that."""
-    with Temporary() as now:
-        found = points(now.made(mesh_of(probe)).vertices)
-    wanted = points(shape.vertices)
+def _measure(probe: bpy.types.Object, shape: bpy.types.Mesh) -> tuple[np.ndarray, float]:
+    """Where ``probe`` shows the vertices, (V, 3), and how far one is from a shape, relative to its
+    size; raises Refusal if they are not there.
+    """
+    found, wanted = seen_coordinates(probe), points(shape.vertices)
     size = float(np.linalg.norm(np.ptp(wanted, axis=0))) or 1.0
     apart = np.linalg.norm(found - wanted, axis=1) / size
     count = int(np.count_nonzero(~(apart <= EXACT)))
@@ -165,4 +169,4 @@ def _measure(probe: bpy.types.Object, shape: bpy.types.Mesh) -> Given:
             f"the levels cannot hold this shape: {count} of {len(apart)} vertices would be up to "
             f"{apart.max():.1g} of the size away from it"
         )
-    return Given(float(apart.max()))
+    return found, float(apart.max())

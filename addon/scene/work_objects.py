@@ -12,7 +12,6 @@ from .coordinates import points
 from .fingerprints import CHANGE, ROUNDING, SUMS, sketch
 from .objects import refusal
 from .places import is_in_a_scene
-from .temporary import Temporary
 
 
 class SpectralTVWork(bpy.types.PropertyGroup):
@@ -39,16 +38,16 @@ def make(source: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
     """A new work object of ``source``, whose mesh is the top level; it is in no render."""
     work = applied.object_of(mesh, source, "Work")
     work.hide_render = True
-    remember(work, source, mesh)
+    remember(work, source, points(mesh.vertices))
     return work
 
 
-def remember(work: bpy.types.Object, source: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
-    """Have a work object remember that the top level of its source is that of ``mesh`` now."""
+def remember(work: bpy.types.Object, source: bpy.types.Object, places: np.ndarray) -> None:
+    """Have a work object remember where the top level of its source has its vertices, (V, 3)."""
     memory = work.spectral_tv_work
     memory.source, memory.called = source, source.name
     memory.levels = multires.modifier_of(source).total_levels
-    memory.sketch = sketch(points(mesh.vertices))
+    memory.sketch = sketch(places)
 
 
 def works_of(source: bpy.types.Object) -> list[bpy.types.Object]:
@@ -60,9 +59,10 @@ def works_of(source: bpy.types.Object) -> list[bpy.types.Object]:
     ]
 
 
-def is_as_seen(work: bpy.types.Object, mesh: bpy.types.Mesh) -> bool:
-    """Whether ``mesh``, the top level of the source, is what the work object remembers."""
-    places = points(mesh.vertices)
+def is_as_seen(work: bpy.types.Object, places: np.ndarray) -> bool:
+    """Whether the top level of the source has its vertices, (V, 3), where the work object remembers
+    them.
+    """
     unit = CHANGE * ROUNDING * np.abs(places).max(initial=0.0) * np.sqrt(3 * len(places) / SUMS)
     return bool(np.abs(sketch(places) - work.spectral_tv_work.sketch).max() <= unit)
 
@@ -83,12 +83,6 @@ def source_refusal(work: bpy.types.Object) -> str | None:
             "was made"
         )
     return None
-
-
-def was_sculpted(work: bpy.types.Object) -> bool:
-    """Whether the top level of the source was changed since the work object last saw it."""
-    with Temporary() as now:
-        return not is_as_seen(work, now.made(multires.top_mesh(work.spectral_tv_work.source)))
 
 
 def _levels(count: int) -> str:

@@ -1,4 +1,4 @@
-"""A Multiresolution sculpt: its top level taken, decomposed, dialled and written back by buttons."""
+"""A Multiresolution sculpt: its top level taken, decomposed and written back by buttons."""
 
 from __future__ import annotations
 
