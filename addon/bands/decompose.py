@@ -1,5 +1,6 @@
 """The operator that splits the active mesh into bands."""
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,9 +57,11 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
         self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
     ) -> str:
         objects = all_unchanged(prepared.seen)
-        if self.shape in ON_NEW_OBJECT:
-            objects = [shown_shape.move_to_new(objects[0], self.shape, prepared.surfaces[0])]
-        with whole(*objects):
+        with ExitStack() as stack:
+            if self.shape in ON_NEW_OBJECT:
+                first = objects[0], self.shape, prepared.surfaces[0]
+                objects = [stack.enter_context(shown_shape.in_the_place_of(*first))]
+            stack.enter_context(whole(*objects))
             for obj, surface in zip(objects, prepared.surfaces, strict=True):
                 names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
         bands = "1 band" if len(names) == 1 else f"{len(names)} bands"

@@ -3,6 +3,9 @@
 Their bands are on a new object, which takes the place of the one that was decomposed.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import bpy
 
 from ..scene import applied, mix, multires, work_objects
@@ -40,9 +43,17 @@ def new_object(obj: bpy.types.Object, shape: str, surface: Surface) -> bpy.types
     return applied.object_of(mesh, obj, "Applied")
 
 
-def move_to_new(obj: bpy.types.Object, shape: str, surface: Surface) -> bpy.types.Object:
-    """The same in the place of ``obj``; now the active one."""
+@contextmanager
+def in_the_place_of(
+    obj: bpy.types.Object, shape: str, surface: Surface
+) -> Iterator[bpy.types.Object]:
+    """Yield the same; in the end it takes the place of ``obj``, or is gone if the block fails."""
     new = new_object(obj, shape, surface)
+    try:
+        yield new
+    except BaseException:
+        bpy.data.meshes.remove(new.data)  # and the object with it
+        raise
     if shape == "MULTIRES":
         note(f"the bands are on {new.name!r}; Write Back gives {obj.name!r} its shape")
     else:
@@ -52,7 +63,6 @@ def move_to_new(obj: bpy.types.Object, shape: str, surface: Surface) -> bpy.type
             "in renders too"
         )
     take_place(new, obj)
-    return new
 
 
 def remarks(obj: bpy.types.Object, shape: str) -> list[str]:

@@ -258,3 +258,17 @@ def test_the_estimate_is_of_the_top_level(head):
     count = import_module(f"{MODULE}.bands.shown_shape").count
     assert count(head, "MULTIRES") == len(at_rest(head, 3))
     assert count(head, "APPLIED") == len(evaluated(head)) == len(at_rest(head, 1))
+
+
+def test_a_shape_that_the_levels_cannot_hold_is_refused_and_changes_nothing():
+    """Displacements are relative to tangents, which a mesh without area has not."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4)
+    line = bpy.context.object
+    for vertex in line.data.vertices:
+        vertex.co.y = 0
+    line.modifiers.new("Multires", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="Multires", mode="CATMULL_CLARK")
+    bpy.ops.spectral_tv.work_object()
+    for vertex in bpy.context.object.data.vertices:
+        vertex.co.z += np.sin(9 * vertex.co.x)
+    refused("the levels cannot hold this shape: .* vertices would be up to .* of the size away")

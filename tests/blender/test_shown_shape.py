@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import bpy
 import numpy as np
 import pytest
+from conftest import MODULE
 from contents import contents, differences
 from deform_scene import coordinates, evaluated, group
 from rigged_body import FRAMES, driven, poses, rigged_body
@@ -106,7 +109,6 @@ def test_a_simulation_is_decomposed_as_it_is_on_the_frame(capfd):
 
 
 def test_what_cannot_be_read_so_is_refused(body):
-    before = contents()
     other = bpy.data.objects.new("Other", body.data.copy())
     bpy.context.scene.collection.objects.link(other)
     other.select_set(True)
@@ -124,6 +126,20 @@ def test_what_cannot_be_read_so_is_refused(body):
     with pytest.raises(RuntimeError, match="it is hidden"):
         bpy.ops.spectral_tv.decompose(shape="APPLIED", **QUICK)
     assert not differences(before, contents())
+
+
+def test_another_frame_by_the_time_it_is_written_is_refused(body):
+    """As where an animation plays while the work runs."""
+    module = import_module(f"{MODULE}.bands.shown_shape")
+    reading = import_module(f"{MODULE}.scene.surface").Reading(0, leaves_out=False)
+    surface = module.read(body, "APPLIED", reading)
+    bpy.context.scene.frame_set(FRAMES[2])
+    before = contents()
+    with pytest.raises(Exception, match="what is shown changed in the meantime"):
+        module.new_object(body, "APPLIED", surface)
+    assert not differences(before, contents())
+    bpy.context.scene.frame_set(FRAMES[0])
+    assert module.new_object(body, "APPLIED", surface).name == "Body Applied"
 
 
 def test_undo_takes_the_copy_back(body):
