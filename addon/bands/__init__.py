@@ -11,11 +11,14 @@ from . import (
     decompose_panel,
     limbs,
     live_guard,
+    multires_panel,
     properties,
     set_bands,
     spectrum,
     take_bands,
     verb,
+    work_object,
+    write_back,
 )
 
 FILES = (
@@ -28,7 +31,10 @@ FILES = (
     apply_modifier,
     bake_safe,
     live_guard,
+    work_object,
+    write_back,
     decompose_panel,
+    multires_panel,
     bands_panel,
     caricature,
 )

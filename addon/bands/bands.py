@@ -31,7 +31,7 @@ from ..scene.surface import Surface, flattened, shape_of
 from ..scene.weights import group_named
 from . import recut
 from .methods import METHODS
-from .settings import BEFORE, SMOOTHED, Settings
+from .settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
 from .shapes import read_surfaces
 from .solo import end_solo
 
@@ -202,10 +202,10 @@ def settings_of(record: SpectralTVRecord) -> Settings:
 def settings_as_taken(record: SpectralTVRecord) -> Settings:
     """The settings of a record, with the numbers of bands and steps that were in fact taken.
 
-    If modifiers were applied, the object that has the bands is the shape that they showed.
+    If the bands were made on a new object, that is the shape that was decomposed.
     """
     taken = settings_of(record)
-    shape = "BASIS" if taken.shape == "APPLIED" else taken.shape
+    shape = "BASIS" if taken.shape in ON_NEW_OBJECT else taken.shape
     steps = len(record.kept_spectrum) + 1
     return replace(taken, bands=len(record.bands), steps=steps, accuracy=0.0, shape=shape)
 

@@ -6,9 +6,10 @@ from ..drawing.sidebar import Sidebar, say
 from ..drawing.work import WorkPanel, draw_button, draw_fault, draw_needs
 from ..job import jobs
 from ..options import rows
-from ..scene.objects import refusal, selected_meshes
+from ..scene.modifiers import between
+from ..scene.objects import is_mesh, refusal, selected_meshes
 from .decompose import SPECTRAL_TV_OT_decompose
-from .shapes import remarks
+from .shapes import remarks, vertex_count
 
 
 class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
@@ -34,7 +35,7 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
             settings = choices.settings()
             for text in remarks(obj, settings):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
-            draw_needs(layout, context, settings.needs(len(obj.data.vertices)))
+            draw_needs(layout, context, settings.needs(vertex_count(obj, settings)))
         draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
         if reason is None and len(selected_meshes(context)) > 1:
             together = draw_button(
@@ -68,6 +69,13 @@ class SPECTRAL_TV_PT_shape(PartPanel, bpy.types.Panel):
 
     bl_label = "Shape"
     place = "shape"
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        super().rows(context, layout)
+        obj = context.active_object
+        names = between(obj) if is_mesh(obj) else []
+        if names:
+            say(layout, context, f"Shown with {', '.join(names)}", "MODIFIER")
 
 
 class SPECTRAL_TV_PT_scales(PartPanel, bpy.types.Panel):

@@ -49,9 +49,16 @@ SHAPES = (
     (
         "APPLIED",
         "Modifiers Applied",
-        "All that is seen, in a new object without modifiers; this one is hidden",
+        "All that is seen on this frame, in a new object without modifiers; this one is hidden",
+    ),
+    (
+        "MULTIRES",
+        "Multiresolution",
+        "The top level at rest, in a work object. Write Back gives it the shape of that",
     ),
 )
+# Those whose bands are on a new object: the shapes have other vertices than the mesh.
+ON_NEW_OBJECT = ("APPLIED", "MULTIRES")
 # What options are in effect where a record says nothing of them.
 BEFORE = {"soft_edges": 0.0, "keep_limbs": 0.0, "base": "FLOW", "displacement": "SCALAR"}
 # Where an accuracy is asked for: steps of the first flow. The next has twice as many.

@@ -1,5 +1,5 @@
 """What Blender holds: objects and their surfaces read, shape keys, records and results written."""
 
-from . import documents, records, results
+from . import documents, records, results, work_objects
 
-FILES = (records, documents, results)
+FILES = (records, documents, results, work_objects)

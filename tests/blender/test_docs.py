@@ -25,7 +25,7 @@ FILES = {
     "scripting.md-6": ["ear.blend"],
     "scripting.md-7": ["mask.blend", "mask.csv"],
     "scripting.md-8": ["smooth.png"],
-    "scripting.md-16": ["splits.pickle"],
+    "scripting.md-17": ["splits.pickle"],
 }
 
 

@@ -68,6 +68,23 @@ def torn() -> None:
         bpy.ops.spectral_tv.decompose(**SMALL)
 
 
+def sculpted() -> bpy.types.Object:
+    """A cube with two levels of Multiresolution."""
+    bpy.ops.mesh.primitive_cube_add()
+    obj = bpy.context.object
+    obj.modifiers.new("Multires", "MULTIRES")
+    for _ in range(2):
+        bpy.ops.object.multires_subdivide(modifier="Multires", mode="CATMULL_CLARK")
+    return obj
+
+
+def worked_on() -> None:
+    """The work object of the same, filtered."""
+    sculpted()
+    bpy.ops.spectral_tv.decompose(shape="MULTIRES", **SMALL)
+    bpy.context.object.data.shape_keys.key_blocks[3].value = 1
+
+
 def photo() -> None:
     """An image of noise, and no object."""
     image = bpy.data.images.new("Photo", 16, 12)
@@ -112,6 +129,8 @@ CASES = {
     "solo": (banded, {"band": 2}),
     "take_bands": (pair, {"first": 1, "last": 2}),
     "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),
+    "work_object": (sculpted, {}),
+    "write_back": (worked_on, {}),
 }
 # Those that change nothing in the file.
 WITHOUT_STEP = {"cancel", "count_folds", "export_values"}
