@@ -5,7 +5,8 @@ import math
 import bpy
 
 from ..drawing.sidebar import Sidebar, say
-from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
+from ..scene.decomposition import SpectralTVRecord
+from ..scene.records import bands_shown, record_of, topology_changed
 from . import filter_curve, live_guard, spectrum
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look

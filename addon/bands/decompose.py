@@ -14,9 +14,10 @@ from ..scene import applied
 from ..scene.notes import note
 from ..scene.objects import Refusal, distinct_meshes, take_place
 from ..scene.surface import Surface
-from ..scene.whole import whole
-from .bands import add_bands, prepare_together, recall, start_split
+from .adding import Part, add_bands
+from .bands import prepare_together, recall, start_split
 from .properties import DecompositionChoices
+from .replacing import check_replaced, replaced_identifiers
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class Prepared:
     seen: list[Seen]
     surfaces: list[Surface]
     arguments: dict[str, Any]
+    # Of the decompositions whose place the new ones will take.
+    former: list[str]
 
 
 class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Operator):
@@ -44,7 +47,8 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         objects = distinct_meshes(bpy.context) if self.together else [obj]
         seen = [Seen.of(each) for each in objects]
-        return Prepared(seen, *prepare_together(objects, self.settings()))
+        former = replaced_identifiers(objects, self.settings())
+        return Prepared(seen, *prepare_together(objects, self.settings()), former)
 
     def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
         return recall(prepared.surfaces[0], prepared.arguments)
@@ -56,14 +60,13 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
         self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
     ) -> str:
         objects = all_unchanged(prepared.seen)
+        check_replaced(objects, self.settings(), prepared.former)
         if self.shape == "APPLIED":
             objects = [_applied(objects[0], prepared.surfaces[0])]
-        with whole(*objects):
-            for obj, surface in zip(objects, prepared.surfaces, strict=True):
-                names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
-        bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
-        as_one = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
-        return f"{bands} of {self.settings().by.key_label} added{as_one}"
+        pairs = zip(objects, prepared.surfaces, strict=True)
+        parts = [Part(*pair, prepared.arguments, result) for pair in pairs]
+        as_one = f", in {len(objects)} objects as one" if len(objects) > 1 else ""
+        return add_bands(parts, self.settings()) + as_one
 
 
 def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:

@@ -8,6 +8,7 @@ from ..job import jobs
 from ..options import rows
 from ..scene.objects import refusal, selected_meshes
 from .decompose import SPECTRAL_TV_OT_decompose
+from .replacing import replaced_bands
 from .shapes import remarks
 
 
@@ -32,7 +33,7 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
         draw_fault(layout, context)
         if reason is None:
             settings = choices.settings()
-            for text in remarks(obj, settings):
+            for text in remarks(obj, settings, replaced_bands(obj, settings)):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
             draw_needs(layout, context, settings.needs(len(obj.data.vertices)))
         draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)

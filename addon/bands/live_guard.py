@@ -170,7 +170,7 @@ def _triangles(mesh: bpy.types.Mesh) -> int:
 def _sliders(mesh: bpy.types.Mesh) -> tuple:
     """What is changed by turning a slider of the panel, or by pressing something beside it."""
     keys = tuple((key.name, key.value, key.mute) for key in keys_of(mesh).values())
-    return mesh.spectral_tv.decomposition.settings, keys
+    return tuple(record.settings for record in mesh.spectral_tv.decompositions), keys
 
 
 def _question(obj: bpy.types.Object) -> tuple:

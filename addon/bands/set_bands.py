@@ -11,7 +11,8 @@ from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import bands_of, keeping_of, record_of, renew_bands, topology_changed
 from . import filter_curve
-from .bands import cut_again, flows, set_values
+from .adding import cut_again
+from .bands import flows, set_values
 from .filtering import FilterSettings
 from .gains import PRESETS, curve_values, idle_reason, preset_values
 from .settings import Settings

@@ -105,5 +105,5 @@ def test_made_local_it_is_like_any_other(linked):
     obj = override(linked)
     obj.make_local()
     obj.data.make_local()
-    assert bpy.ops.spectral_tv.decompose(bands=2, steps=8) == {"FINISHED"}
+    assert bpy.ops.spectral_tv.decompose(bands=2, steps=8, into="ADD") == {"FINISHED"}
     assert len(obj.data.shape_keys.key_blocks) == 6

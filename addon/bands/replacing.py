@@ -1,0 +1,43 @@
+"""Which decomposition a new one takes the place of."""
+
+from collections.abc import Iterable, Sequence
+
+import bpy
+
+from ..scene.decomposition import SpectralTVRecord
+from ..scene.keeping import Band
+from ..scene.objects import Refusal
+from ..scene.records import bands_of, record_of
+from .settings import Settings
+
+
+def replaced(obj: bpy.types.Object, settings: Settings) -> SpectralTVRecord | None:
+    """The decomposition whose place a new one takes; None if it is added.
+
+    It is the active one, if it was made by the same method and has the vertices that there are.
+    """
+    record = record_of(obj)
+    if settings.into != "REPLACE" or settings.shape == "APPLIED" or record is None:
+        return None
+    has_vertices = record.vertex_count == len(obj.data.vertices)
+    return record if has_vertices and record.method == settings.method else None
+
+
+def replaced_identifiers(objects: Iterable[bpy.types.Object], settings: Settings) -> list[str]:
+    """Those of the decompositions whose places would be taken, "" where none would."""
+    found = [replaced(obj, settings) for obj in objects]
+    return ["" if record is None else record.identifier for record in found]
+
+
+def check_replaced(
+    objects: Sequence[bpy.types.Object], settings: Settings, identifiers: Sequence[str]
+) -> None:
+    """Raise Refusal if other decompositions would be replaced than when the work began."""
+    if replaced_identifiers(objects, settings) != [*identifiers]:
+        raise Refusal("nothing was written, as another decomposition became active meanwhile")
+
+
+def replaced_bands(obj: bpy.types.Object, settings: Settings) -> list[Band]:
+    """Its bands, which are no part of the shape that is decomposed anew."""
+    record = replaced(obj, settings)
+    return [] if record is None else [band for band in bands_of(obj, record) if band is not None]
