@@ -89,6 +89,7 @@ class _Pending:
         edges = part.split.band_edges(settings.band_count)
         flow = Flow(part.split, part.surface, source_of(part.surface, part.arguments))
         if record is None:
+            _note_kept(part.obj, settings)
             former, stem = None, free_stem(part.obj, _usual_names(settings), len(edges) - 1)
         else:
             former = stem = record.name
@@ -165,6 +166,13 @@ def cut_again(obj: bpy.types.Object, count: int, keep_limbs: float | None = None
     record.settings = settings.text()
     _record_bands(obj, record, names, given, edges)
     return names
+
+
+def _note_kept(obj: bpy.types.Object, settings: Settings) -> None:
+    """Note that a decomposition of vertices that are no more is not replaced."""
+    active = record_of(obj)
+    if active is not None and settings.into == "REPLACE" and active.method == settings.method:
+        note(f"{active.name!r} is of other vertices, so it stays beside the new one")
 
 
 def _usual_names(settings: Settings) -> list[str]:

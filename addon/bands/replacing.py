@@ -23,6 +23,13 @@ def replaced(obj: bpy.types.Object, settings: Settings) -> SpectralTVRecord | No
     return record if has_vertices and record.method == settings.method else None
 
 
+def why_not(obj: bpy.types.Object, settings: Settings) -> str:
+    """What the active decomposition is, where it stays."""
+    if settings.shape == "APPLIED":
+        return "not of the new object"
+    return "of another method" if record_of(obj).method != settings.method else "of other vertices"
+
+
 def replaced_identifiers(objects: Iterable[bpy.types.Object], settings: Settings) -> list[str]:
     """Those of the decompositions whose places would be taken, "" where none would."""
     found = [replaced(obj, settings) for obj in objects]

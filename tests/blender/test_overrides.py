@@ -58,6 +58,7 @@ WRITING = {
     "deform": {},
     "flow_attribute": {"kind": "GROUP", "source": "Cap", "steps": 4},
     "measure_accuracy": {"bands": 2, "steps": 8},
+    "remove_decomposition": {},
     "plot_values": {"kind": "GROUP", "source": "Cap", "steps": 4},
     "take_bands": {},
     "test_eigenset": {"group": "Cap"},
