@@ -196,6 +196,8 @@ class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
         for obj in alike:
             with about(obj.name):
                 set_values(obj, values, records[obj])
+                if records[obj] != record_of(obj):
+                    note(f"they are of {records[obj].name!r}, which is not the active one")
         return f"its filter is that of {', '.join(obj.name for obj in alike)} too"
 
 
