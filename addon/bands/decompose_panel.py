@@ -65,7 +65,7 @@ def draw_into(
     row.prop(choices, "into", expand=True)
     record = replaced(obj, settings)
     if record is not None:
-        say(layout, context, f"{record.name} gives way; its look goes over", "INFO")
+        say(layout, context, f"Replaces {record.name}; look kept", "INFO")
     elif settings.into == "REPLACE":
         say(layout, context, f"Added, as {active.name} is {why_not(obj, settings)}", "INFO")
 

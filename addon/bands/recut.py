@@ -35,12 +35,17 @@ class Former:
     stays: bool
     given: str
 
+    @property
+    def is_renamed(self) -> bool:
+        """Whether it has a name that the user gave it."""
+        return self.band is not None and self.band.name != self.given
+
 
 class Recut:
     """New bands in the place of old ones.
 
-    A new band with the same components as an old one gets that one's name. Others get those of
-    ``names``, if they are free.
+    A new band with the same components as one that the user renamed gets that name. Others get
+    those of ``names``, if they are free.
     """
 
     def __init__(
@@ -61,7 +66,7 @@ class Recut:
         equals = [overlap.equal(band) for band in range(len(new))]
         self.twins = [None if equal is None else former[equal] for equal in equals]
         self.names = [
-            name if twin is None or twin.band is None else twin.band.name
+            name if twin is None or not twin.is_renamed else twin.band.name
             for name, twin in zip(names, self.twins, strict=True)
         ]
         self.usual = names

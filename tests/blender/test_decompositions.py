@@ -248,6 +248,16 @@ def test_four_in_a_row_have_names_that_tell_them_apart(obj, keys):
     assert len(set(names(obj))) == 3 + 5 * 2
 
 
+def test_bands_are_numbered_from_the_finest_whatever_became_of_others(obj, keys):
+    """Also where a new band has just what an old one of another number had."""
+    for how in ({"bands": 5, "steps": 16}, {"bands": 7, "steps": 24}, {"bands": 4, "steps": 16}):
+        decompose(**how)
+        assert names(obj) == [f"M1 Band {band}" for band in range(1, how["bands"] + 1)]
+        for count in (6, 3, 8):
+            bpy.ops.spectral_tv.cut(bands=count)
+            assert names(obj) == [f"M1 Band {band}" for band in range(1, count + 1)]
+
+
 def test_bands_follow_the_name_of_their_decomposition(both, keys):
     """But for those that were renamed; what animates and reads them goes on."""
     keys["M1 Band 2"].name = "Wrinkles"
