@@ -120,7 +120,7 @@ def values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
     """The properties of a group and of the groups in it, but for arbitrary identifiers."""
     found = {}
     for name, declared in group.bl_rna.properties.items():
-        if name in ("rna_type", "bl_rna", "identifier"):
+        if name in ("rna_type", "bl_rna", "identifier", "mark"):
             continue
         value = getattr(group, name)
         if declared.type == "COLLECTION":

@@ -24,6 +24,13 @@ from ..options.declaring import (
 from .gains import too_few_steps
 from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
 
+INTO_TEXT = "What becomes of the active decomposition"
+INTO = (
+    ("REPLACE", "Replace",
+     "The new bands take the place of the active ones of the same method, and do what these did. "
+     "Of another method they are added"),
+    ("ADD", "Add", "The new bands are a decomposition of their own, of the shape that is shown"),
+)  # fmt: skip
 # With icons and numbers, as files keep the numbers of old.
 BASES = (
     ("LIMBS", "Limbs Kept", "The object itself, smoothed, but with limbs as thick as they are",
@@ -169,6 +176,7 @@ class Settings:
         "relative to the object's size. 0 joins those at exactly the same place", WELD, 0, 10,
         soft_most=0.1, unit="PERCENTAGE", digits=4, place="shape"
     )  # fmt: skip
+    into: str = choice("Former Bands", INTO_TEXT, INTO, argument="")
     leaves_out: bool = switch(
         "Leave Out Broken Faces",
         "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",

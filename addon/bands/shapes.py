@@ -1,7 +1,6 @@
 """Which shape of an object is decomposed, and what the user is told about it."""
 
 from collections.abc import Sequence
-from itertools import chain
 
 import bpy
 import numpy as np
@@ -14,6 +13,7 @@ from ..scene.records import bands_of, record_of
 from ..scene.surface import Reading, Surface
 from ..scene.touching import touching
 from . import shown_shape
+from .replacing import replaced_bands
 from .settings import ON_NEW_OBJECT, SHAPES, Settings
 
 
@@ -22,8 +22,9 @@ def read_surfaces(
 ) -> list[Surface]:
     """The surfaces of objects that are decomposed as one, in the chosen shape.
 
-    ``without_bands`` takes the present bands for 0, which gives the shape that they are of. Raises
-    Refusal or spectral_tv.MeshError if the objects cannot be read.
+    ``without_bands`` takes the active bands for 0, which gives the shape that they are of; so are
+    bands taken whose place new ones shall take. Raises Refusal or spectral_tv.MeshError if the
+    objects cannot be read.
     """
     if settings.shape in ON_NEW_OBJECT:
         if len(objects) > 1:
@@ -34,12 +35,12 @@ def read_surfaces(
             note(text)
         return [shown_shape.read(objects[0], settings.shape, _reading(settings))]
     aside = [_base(obj, settings) for obj in objects]
-    if without_bands:
-        banded = [obj for obj in objects if record_of(obj) is not None]
-        aside = [[*keys, *chain.from_iterable(map(bands_of, banded))] for keys in aside]
-    else:
-        for obj in objects:
-            for text in remarks(obj, settings):
+    for obj, keys in zip(objects, aside, strict=True):
+        if without_bands and record_of(obj) is not None:
+            keys.extend(bands_of(obj))
+        elif not without_bands:
+            keys.extend(replaced_bands(obj, settings))
+            for text in remarks(obj, settings, keys):
                 note(text)
     shapes = [_shape(obj, settings, keys) for obj, keys in zip(objects, aside, strict=True)]
     return Surface.read_together(objects, shapes, _reading(settings))
@@ -60,12 +61,17 @@ def vertex_count(obj: bpy.types.Object, settings: Settings) -> int:
     return len(obj.data.vertices) if is_own else shown_shape.count(obj, settings.shape)
 
 
-def remarks(obj: bpy.types.Object, settings: Settings) -> list[str]:
-    """What of ``obj`` is seen but not decomposed, or decomposed but not its Basis."""
+def remarks(
+    obj: bpy.types.Object, settings: Settings, aside: Sequence[bpy.types.ShapeKey] = ()
+) -> list[str]:
+    """What of ``obj`` is seen but not decomposed, or decomposed but not its Basis.
+
+    The keys ``aside`` take no part in either.
+    """
     if settings.shape in ON_NEW_OBJECT:
         return shown_shape.remarks(obj, settings.shape)
     found: list[str] = []
-    keys = mix.told(obj, _base(obj, settings))
+    keys = mix.told(obj, aside)
     if keys and settings.shape == "SHOWN":
         found.append(f"it is decomposed as shown, with {keys}")
     elif keys:

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 
@@ -16,7 +17,8 @@ from ..scene import applied, multires
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from . import shown_shape
-from .bands import add_bands, prepare_together, set_values, start_split
+from .adding import Part, add_bands
+from .bands import prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
@@ -114,7 +116,8 @@ All other formats hold the filtered shape."""
 
     def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         """Give objects their bands."""
-        asked, choices = self.asked, self.choices
+        # What a file shows is split and filtered, not what it was split of before.
+        asked, choices = replace(self.asked, into="ADD"), self.choices
         if asked.shape == "APPLIED":
             for obj in objects:
                 applied.apply(obj)
@@ -127,8 +130,9 @@ All other formats hold the filtered shape."""
             split = start_split(surfaces[0].mesh, asked, arguments).result(show)
         if asked.shape == "MULTIRES":
             objects = [shown_shape.new_object(objects[0], asked.shape, surfaces[0])]
-        for obj, surface in zip(objects, surfaces, strict=True):
-            add_bands(obj, asked, surface, arguments, split)
+        pairs = zip(objects, surfaces, strict=True)
+        add_bands([Part(*pair, arguments, split) for pair in pairs], asked)
+        for obj in objects:
             set_values(obj, values)
         self._folding.look(objects, label)
         if asked.shape == "MULTIRES":

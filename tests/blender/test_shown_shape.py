@@ -35,7 +35,7 @@ def weights(obj, name: str) -> np.ndarray:
 
 def latest(obj) -> list[bpy.types.ShapeKey]:
     keys = obj.data.shape_keys.key_blocks
-    return [keys[band.key] for band in obj.data.spectral_tv.decomposition.bands]
+    return [keys[band.key] for band in obj.data.spectral_tv.decompositions[-1].bands]
 
 
 @pytest.mark.parametrize("frame", FRAMES)
