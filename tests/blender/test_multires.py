@@ -272,3 +272,16 @@ def test_a_shape_that_the_levels_cannot_hold_is_refused_and_changes_nothing():
     for vertex in bpy.context.object.data.vertices:
         vertex.co.z += np.sin(9 * vertex.co.x)
     refused("the levels cannot hold this shape: .* vertices would be up to .* of the size away")
+
+
+def test_levels_in_another_file_are_refused(head, tmp_path: Path):
+    """Reshape leaves them as they are in that file."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "head.blend"))
+    bpy.ops.object.multires_external_save(
+        modifier="Multires", filepath=str(tmp_path / "levels.btx")
+    )
+    with pytest.raises(RuntimeError, match="kept in another file; pack them"):
+        bpy.ops.spectral_tv.work_object()
+    bpy.ops.object.multires_external_pack()
+    assert bpy.ops.spectral_tv.work_object() == {"FINISHED"}
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
