@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import sys
 from pathlib import Path
 
@@ -14,7 +15,8 @@ BANDS, STEPS = 3, 64  # flows much larger than what else a decomposition leaves
 
 
 def kilobytes() -> float:
-    """Memory of this process."""
+    """Memory of this process, without what was freed and not given back to the system."""
+    ctypes.CDLL(None).malloc_trim(0)
     status = Path("/proc/self/status").read_text(encoding="utf-8")
     return int(status.split("VmRSS:")[1].split()[0])
 
@@ -38,4 +40,4 @@ def test_of_two_hundred_objects_only_the_shape_keys_are_kept():
     flow = STEPS * len(obj.data.vertices) * 3 * 4 / 1024
     # The least of some, as what was freed goes back to the system now and then.
     before, after = min(used[settled : 2 * settled]), min(used[-settled:])
-    assert after - before < flow * (COUNT - 2 * settled) / 2, used
+    assert after - before < flow * (COUNT - 2 * settled) / 3, used
