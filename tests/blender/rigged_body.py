@@ -21,6 +21,13 @@ def rigged_body() -> bpy.types.Object:
     mesh.materials.append(bpy.data.materials.new("Skin"))
     own = bpy.data.materials.new("Own Skin")
     obj.material_slots[0].link, obj.material_slots[0].material = "OBJECT", own
+    add_face_keys(obj)
+    add_rig(obj)
+    return obj
+
+
+def add_face_keys(obj) -> None:
+    """Give ``obj`` a Basis, a driven key, and one that is relative to that."""
     obj.shape_key_add(name="Basis", from_mix=False)
     smile, pout = (obj.shape_key_add(name=name, from_mix=False) for name in ("Smile", "Pout"))
     for point in smile.points:
@@ -30,10 +37,13 @@ def rigged_body() -> bpy.types.Object:
         point.co = other.co * 1.05
     smile.driver_add("value").driver.expression = "frame / 20"
     pout.value = 0.5
+
+
+def add_rig(obj) -> None:
+    """Have a bone bend ``obj`` on FRAMES, and then subdivide it."""
     obj.modifiers.new("Armature", "ARMATURE").object = bent_rig(obj)
     obj.modifiers.new("Subdivision", "SUBSURF")
     bpy.context.scene.frame_set(FRAMES[0])
-    return obj
 
 
 def bent_rig(obj) -> bpy.types.Object:

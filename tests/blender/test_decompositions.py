@@ -8,9 +8,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from ball import object_of
+from ball import bumpy_ball
 from conftest import MODULE
-from shapes import bumpy_sphere
 
 STEPS = 13  # twelve components
 
@@ -64,10 +63,7 @@ def empty_file():
 @pytest.fixture
 def obj():
     """A bumpy ball with three bands of M1."""
-    vertices, faces = bumpy_sphere(3, amplitude=0.3)
-    made = object_of("Ball", vertices, faces)
-    made.vertex_groups.new(name="Cap").add(np.flatnonzero(vertices[:, 2] > 0.5).tolist(), 1, "ADD")
-    bpy.context.view_layer.objects.active = made
+    made = bumpy_ball()
     decompose(bands=3)
     return made
 

@@ -8,9 +8,8 @@ from importlib import import_module
 import bpy
 import numpy as np
 import pytest
-from ball import object_of
+from ball import bumpy_ball
 from conftest import MODULE
-from shapes import bumpy_sphere
 
 STEPS = 13  # twelve components, so that 2, 3, 4, 6 and 12 bands are of equal numbers
 SIX = [f"M1 Band {band}" for band in range(1, 7)]
@@ -39,10 +38,7 @@ def cut(obj, bands: int) -> dict[str, bpy.types.ShapeKey]:
 @pytest.fixture
 def banded():
     """A bumpy ball with six bands, of two components each."""
-    vertices, faces = bumpy_sphere(3, amplitude=0.3)
-    obj = object_of("Ball", vertices, faces)
-    obj.vertex_groups.new(name="Cap").add(np.flatnonzero(vertices[:, 2] > 0.5).tolist(), 1, "ADD")
-    bpy.context.view_layer.objects.active = obj
+    obj = bumpy_ball()
     bpy.ops.spectral_tv.decompose(bands=6, steps=STEPS)
     return obj
 
