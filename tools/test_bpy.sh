@@ -50,10 +50,17 @@ if $newer --version >/dev/null 2>&1; then
 else
   echo "bpy 5.2 is skipped: there is no python3.13, and PYTHON_3_13 names none"
 fi
-status=0
+# Those that failed come last, where the end of a log is all that one sees.
+failed=()
 for version in "${!runs[@]}"; do
-  wait "${runs[$version]}" || status=1
-  echo "bpy $version:"
-  cat ".build/bpy-$version.txt"
+  if wait "${runs[$version]}"; then
+    echo "bpy $version: $(tail -n 1 ".build/bpy-$version.txt")"
+  else
+    failed+=("$version: exit code $?")
+  fi
 done
-exit $status
+for failure in "${failed[@]}"; do
+  cat ".build/bpy-${failure%%:*}.txt"
+  echo "bpy $failure"
+done
+exit $((${#failed[@]} > 0))
