@@ -50,10 +50,13 @@ class LiveDeformation:
     def update(self) -> bool:
         """Follow the handles, or refine if they rest; tells whether the shape changed.
 
+        What takes long is done in the background, while Blender draws and listens to the user.
         What the user changes is read anew. Where that, or a handle, cannot be used, `problem` tells
         why, and the shape stays until it can. Raises Refusal or spectral_tv.MeshError if the object
         can no longer be deformed.
         """
+        if self.is_dragging and not self._job.done:
+            return False  # soon: what changed meanwhile is looked at then
         obj = bpy.data.objects.get(self._name)
         reason = "it was removed or renamed" if obj is None else follow_refusal(obj)
         if reason is not None:
@@ -77,6 +80,11 @@ class LiveDeformation:
         """The fraction done of what has to be prepared before it follows; None once it is."""
         return None if self._preparation is None else self._preparation.progress
 
+    @property
+    def is_dragging(self) -> bool:
+        """Whether a rough answer is under way."""
+        return self._asked is not None
+
     def settle(self) -> None:
         """Work the exact answer out and wait for it; raises Refusal if something is wrong."""
         while not self.is_settled or self._check is not None:
@@ -91,6 +99,7 @@ class LiveDeformation:
             if job is not None:
                 job.cancel()
         self._preparation, self._job, self._check, self.is_settled = None, None, None, False
+        self._asked: np.ndarray | None = None
 
     def _read(self, obj: bpy.types.Object) -> None:
         """Read all of the object anew; what was read stays unknown if it cannot be used."""
@@ -152,23 +161,38 @@ class LiveDeformation:
         if not self._follower.is_ready and not self._is_prepared():
             return False
         if self._targets is None or not np.array_equal(targets, self._targets):
-            self.stop()
             self._targets, self._rough = targets, 0
-            return self._drag(obj)
+            if not self.is_dragging:
+                self.stop()
+                self._start_drag()
         if self.is_settled:
             self._look_at_check()
             return False
-        if self._rough:
-            return self._drag(obj)
-        if self._job is None:
-            self._job = self._follower.start_settling(targets)
+        if self._job is None:  # the handles rest, at least since the last look
+            self._refine()
         if not self._job.done:
             return False
-        result = self._job.result()
-        self._write(obj, result)
-        self._job, self.is_settled = None, True
-        self._check = self._follower.start_check(result)
+        result, self._job = self._job.result(), None
+        if self._asked is None:
+            self.is_settled = True
+            self._check = self._follower.start_check(result)
+        elif self._asked is not self._targets:
+            self._start_drag()
+        else:
+            self._asked = None
+            is_rough = self._follower.is_rough(result) and self._rough < MOST_ROUGH
+            self._rough = self._rough + 1 if is_rough else 0
+        self._write(obj, result)  # last, as what was started goes on meanwhile
         return True
+
+    def _refine(self) -> None:
+        if self._rough:
+            self._start_drag()
+        else:
+            self._job = self._follower.start_settling(self._targets)
+
+    def _start_drag(self) -> None:
+        self._job, self._asked = self._follower.start_drag(self._targets), self._targets
 
     def _is_prepared(self) -> bool:
         """Whether the follower is ready; starts to prepare it."""
@@ -185,13 +209,6 @@ class LiveDeformation:
         if self._check is not None and self._check.done:
             check, self._check = self._check, None
             check.result().note()
-
-    def _drag(self, obj: bpy.types.Object) -> bool:
-        result = self._follower.drag(self._targets)
-        self._write(obj, result)
-        is_rough = self._follower.is_rough(result) and self._rough < MOST_ROUGH
-        self._rough = self._rough + 1 if is_rough else 0
-        return True
 
     def _write(self, obj: bpy.types.Object, result: Any) -> None:
         results.write(obj, self._deformable.displacement(result))

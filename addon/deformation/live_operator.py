@@ -10,7 +10,7 @@ from .deform import follow_refusal
 from .live import LiveDeformation
 
 # Seconds between two looks at the handles.
-POLL = 1 / 60
+POLL = 1 / 120
 
 
 class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):

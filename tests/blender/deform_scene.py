@@ -88,9 +88,9 @@ def live_of(obj: bpy.types.Object):
 
 
 def update(live) -> bool:
-    """Have it look, once it is prepared; whether the shape changed."""
+    """Have it look, once it is prepared, until there is an answer; whether the shape changed."""
     is_changed = live.update()
-    while live.preparation is not None:
-        time.sleep(0.01)
-        is_changed = live.update()
+    while live.preparation is not None or live.is_dragging:
+        time.sleep(0.001)
+        is_changed = live.update() or is_changed
     return is_changed

@@ -27,7 +27,7 @@ import bpy  # noqa: E402
 
 MODULE = "bl_ext.user_default.spectral_tv"
 DIST = Path(__file__).resolve().parents[2] / "dist"
-MOST_ROUGH = 100
+POLL = 1 / 120
 
 
 def main() -> None:
@@ -65,21 +65,24 @@ def measured(turn: Turn, algorithm: str, frames: int) -> dict[str, float]:
     reading = time.perf_counter() - began
     times = []
     for frame in range(1, frames + 1):
-        began = time.perf_counter()
         empty.location = _place(turn, frame / frames)
         bpy.context.view_layer.update()
-        live.update()
+        if frame == 1:
+            live.update()
+            continue  # the hand goes on meanwhile
+        began = time.perf_counter()
+        _wait(live)
         _evaluate(obj)
         times.append(time.perf_counter() - began)
+    _wait(live)  # for the answer to the last place
     released = _evaluate(obj)
     began = time.perf_counter()
     rough = 0
-    while live._rough and rough < MOST_ROUGH:
-        live.update()
+    while live._rough:
+        _wait(live)
         rough += 1
     while not live.is_settled:
-        live.update()
-        time.sleep(0.005)
+        _wait(live)
     settling = time.perf_counter() - began
     most = peak_memory()
     lag = turn.distance(_evaluate(obj), released)
@@ -88,6 +91,12 @@ def measured(turn: Turn, algorithm: str, frames: int) -> dict[str, float]:
         "reading": reading, "mean": float(np.mean(times)), "slowest": max(times), "lag": lag,
         "rough": rough, "settling": settling, "before": before, "most": most,
     }  # fmt: skip
+
+
+def _wait(live) -> None:
+    """Let it look as often as its operator does until the shape changes."""
+    while not live.update():
+        time.sleep(POLL)
 
 
 def _place(turn: Turn, part: float) -> np.ndarray:

@@ -74,9 +74,6 @@ class Posing(Follower):
             how = f", settled to within {max(pose.decrement, TOLERANCE):.2%}"
         return f"posed{how}{came_along(pose)}"
 
-    def drag(self, targets: np.ndarray) -> Any:
-        return self._state.drag(targets)
-
     def is_rough(self, result: Any) -> bool:
         return result.movement > ROUGH * self._size
 

@@ -53,7 +53,7 @@ class Follower(Solver):
 
     @property
     def is_ready(self) -> bool:
-        """Whether `drag` and `start_settling` can be called."""
+        """Whether `start_drag` and `start_settling` can be called."""
         return self._state is not None
 
     def prepare(self) -> Steps[None]:
@@ -68,12 +68,12 @@ class Follower(Solver):
         """Make what solves, in a thread."""
         raise NotImplementedError
 
-    def drag(self, targets: np.ndarray) -> Any:
-        """A quick and rough result for targets that are near the last ones."""
-        raise NotImplementedError
+    def start_drag(self, targets: np.ndarray) -> spectral_tv.Job:
+        """Work a quick and rough result out, in a thread, for targets near the last ones."""
+        return self._state.start_drag(targets)
 
     def is_rough(self, result: Any) -> bool:
-        """Whether `drag` should go on before `start_settling`, as that takes longer."""
+        """Whether another `start_drag` should precede `start_settling`, as that takes longer."""
         raise NotImplementedError
 
     def start_settling(self, targets: np.ndarray) -> spectral_tv.Job:

@@ -30,9 +30,6 @@ class TotalVariation(Follower):
     def message(self, solved: Solved) -> str:
         return f"deformed{of_optimum(solved.result)}{came_along(solved.result)}"
 
-    def drag(self, targets: np.ndarray) -> spectral_tv.Deformation:
-        return self._state.drag(targets)
-
     def is_rough(self, result: spectral_tv.Deformation) -> bool:
         return result.gap > ROUGH
 

@@ -175,6 +175,18 @@ impl Deformer {
             ._wait(py, progress)
     }
 
+    /// Start `drag` in a thread of its own and return the `Job` at once. Other calls wait until it
+    /// has ended or was cancelled.
+    fn start_drag(&self, targets: &Bound<'_, PyAny>) -> Result<Job, Failure> {
+        let targets = arrays::positions("targets", targets)?;
+        let (take, shape) = (self.inner.take_for_job()?, Arc::clone(&self.shape));
+        Job::start_short(
+            take,
+            move |deformer, stage| deformer.get().drag_with(&targets, stage),
+            move |py, solution| deformed(py, &shape, solution),
+        )
+    }
+
     /// Start `solve` in a thread of its own and return the `Job` at once. Other calls wait until
     /// it has ended or was cancelled.
     #[pyo3(signature = (targets, tolerance = 1e-3))]

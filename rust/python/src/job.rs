@@ -41,9 +41,16 @@ pub struct Task<T> {
 }
 
 impl<T: Send + 'static> Task<T> {
-    /// Starts `work`.
+    /// Starts `work` on threads of its own.
     pub fn start(
         work: impl FnOnce(&Monitor) -> spectral_tv::Result<T> + Send + 'static,
+    ) -> Result<Self, Failure> {
+        Self::spawn(|count, monitor| by_itself(count, || work(monitor)))
+    }
+
+    /// Starts `work`, which is told how many threads it has.
+    fn spawn(
+        work: impl FnOnce(usize, &Monitor) -> spectral_tv::Result<T> + Send + 'static,
     ) -> Result<Self, Failure> {
         let count = threads()?;
         let monitor = Arc::new(Monitor::new());
@@ -57,7 +64,7 @@ impl<T: Send + 'static> Task<T> {
             .name("spectral_tv".into())
             .spawn(move || {
                 let started = Instant::now();
-                let work = || by_itself(count, || work(&watched));
+                let work = || work(count, &watched);
                 let outcome = catch_unwind(AssertUnwindSafe(work));
                 watched.end();
                 // Nobody may be waiting any more; the outcome is then dropped.
@@ -199,6 +206,13 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
 /// Turns what a thread made into a Python object, once the GIL is held again.
 type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
 
+fn conversion<T: Send + 'static>(
+    result: T,
+    convert: impl for<'py> FnOnce(Python<'py>, T) -> Result<Bound<'py, PyAny>, Failure> + Send + 'static,
+) -> Convert {
+    Box::new(move |py| Ok(convert(py, result)?.unbind()))
+}
+
 /// Long work that runs in a thread of its own.
 ///
 /// Made by the functions whose names begin with `start_`. A job that is no longer referred to
@@ -226,15 +240,32 @@ impl Job {
         + Send
         + 'static,
     ) -> Result<Self, Failure> {
-        let task = Task::start(move |monitor| {
-            let result = work(monitor.whole())?;
-            let convert: Convert = Box::new(move |py| Ok(convert(py, result)?.unbind()));
-            Ok(convert)
-        })?;
-        Ok(Self {
+        Ok(Self::of(Task::start(move |monitor| {
+            Ok(conversion(work(monitor.whole())?, convert))
+        })?))
+    }
+
+    /// Starts short `work` on the threads that all short works share, with what `take` gives once
+    /// it is free: none of those threads may wait for it, as the work that has it needs them.
+    pub fn start_short<H: Send, T: Send + 'static>(
+        take: impl FnOnce(Stage) -> spectral_tv::Result<H> + Send + 'static,
+        work: impl FnOnce(H, Stage) -> spectral_tv::Result<T> + Send + 'static,
+        convert: impl for<'py> FnOnce(Python<'py>, T) -> Result<Bound<'py, PyAny>, Failure>
+        + Send
+        + 'static,
+    ) -> Result<Self, Failure> {
+        Ok(Self::of(Task::spawn(move |count, monitor| {
+            let taken = take(monitor.whole())?;
+            let result = together(count, || work(taken, monitor.whole()))?;
+            Ok(conversion(result, convert))
+        })?))
+    }
+
+    fn of(task: Task<Convert>) -> Self {
+        Self {
             task,
             state: Mutex::new(State::Running),
-        })
+        }
     }
 
     /// Moves a result that has arrived from the thread to here; whether the work has ended.

@@ -270,8 +270,15 @@ impl Deformer {
     /// If there are not as many positions as constraints, one is not finite, two exact ones of a
     /// vertex differ, or a system cannot be solved.
     pub fn drag(&mut self, positions: &[[f64; 3]]) -> Result<Deformation> {
-        let monitor = Monitor::new();
-        let stage = monitor.whole();
+        self.drag_with(positions, Monitor::new().whole())
+    }
+
+    /// [`Self::drag`], watched: `stage` cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::drag`]; [`crate::Error::Cancelled`], after which the deformer can go on from
+    /// where it was.
+    pub fn drag_with(&mut self, positions: &[[f64; 3]], stage: Stage) -> Result<Deformation> {
         let needed = needs::solutions(self.size(), 1);
         stage.claim(needed, "following the handles", SMALLER)?;
         let targets = self.handles.targets(positions)?;

@@ -122,8 +122,15 @@ impl Poser {
     /// If there are not as many positions as constraints, one is not finite, two exact ones of a
     /// vertex differ, or a system cannot be solved.
     pub fn drag(&mut self, positions: &[[f64; 3]]) -> Result<Pose> {
-        let monitor = Monitor::new();
-        let reached = self.cycle(positions, monitor.whole())?;
+        self.drag_with(positions, Monitor::new().whole())
+    }
+
+    /// [`Self::drag`], watched: `stage` cancels it.
+    ///
+    /// # Errors
+    /// As [`Self::drag`]; [`crate::Error::Cancelled`] as [`Self::solve_with`].
+    pub fn drag_with(&mut self, positions: &[[f64; 3]], stage: Stage) -> Result<Pose> {
+        let reached = self.cycle(positions, stage)?;
         Ok(self.outcome(None, reached, 1))
     }
 
