@@ -95,7 +95,7 @@ impl CoarseSystem {
             map
         };
         for (face, corners) in gradient.triangles().iter().enumerate() {
-            let term = &linearized.numbers.faces[face];
+            let term = linearized.numbers.face(face);
             if term.weight == 0.0 {
                 continue;
             }

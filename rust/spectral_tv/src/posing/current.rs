@@ -5,9 +5,10 @@ use crate::monitor::Stage;
 use crate::posing::field::Field;
 use crate::posing::handles::Handles;
 use crate::posing::levels::Levels;
-use crate::posing::linearized::{Linearized, Numbers};
+use crate::posing::linearized::Linearized;
 use crate::posing::model::{Goals, Model};
 use crate::posing::motion::Motion;
+use crate::posing::numbers::Numbers;
 use crate::posing::search::{Reached, largest_movement, limited, searched};
 use crate::posing::state::{State, rotated};
 

@@ -1,92 +1,119 @@
 //! The energy of a pose, face by face.
 
-use nalgebra::{Quaternion, Vector3};
+use std::ops::Range;
 
-use crate::operators::FaceVector;
+use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::parallel;
+use crate::posing::lanes::{LANES, Lanes, Places, Quaternions, Vectors};
 use crate::posing::model::{Goals, Model, Parameters, Role};
-use crate::posing::state::{State, aligned, normalized, rotated};
+use crate::posing::state::State;
 
-/// What a face adds to the energy, and what its derivatives need.
-pub(super) struct FaceTerm {
-    /// The corners' rotations from the mean one, as quaternions.
-    pub apart: [Quaternion<f64>; 3],
+/// What some faces add to the energy, and what its derivatives need.
+pub(super) struct FaceTerms {
+    /// The gradients of their hat functions, in their planes.
+    pub hats: [[Lanes; 2]; 3],
+    /// The corners' rotations from the mean one.
+    pub apart: [Quaternions; 3],
     /// R̄ T, two columns.
-    pub basis: [Vector3<f64>; 2],
+    pub basis: [Vectors; 2],
     /// ∇x − R̄ T, two columns.
-    pub strain: [Vector3<f64>; 2],
+    pub strain: [Vectors; 2],
     /// e² of strain and turning, without ε.
-    pub square: f64,
-    /// How the area changes, where it is crushed.
-    pub crushed: Option<Crushed>,
-}
-
-/// A face that is about to turn over.
-#[derive(Debug, Clone)]
-pub(super) struct Crushed {
+    pub square: Lanes,
     /// How much less the ratio J of areas, in the plane of R̄ T, is than the least that costs
-    /// nothing.
-    pub lack: f64,
-    /// The derivative of the cost by lack², relative to that of φ(e) by e².
-    pub firmness: f64,
+    /// nothing; 0 where it is not less.
+    pub lack: Lanes,
     /// The derivatives of J by the two columns of ∇x, and by a turn of R̄.
-    pub by_columns: [Vector3<f64>; 2],
-    pub by_turn: Vector3<f64>,
+    pub by_columns: [Vectors; 2],
+    pub by_turn: Vectors,
+    /// φ′(e)/e.
+    pub weight: Lanes,
+    /// φ(e) − φ(ε), and what crushing costs.
+    pub cost: Lanes,
+    /// A; 0 where a face is of no component with a handle, or there is none.
+    pub areas: Lanes,
 }
 
 /// J below which crushing costs, so that faces do not turn over at the inner side of a joint.
 const LEAST_AREA: f64 = 0.4;
 
 impl Model {
-    /// What face `face` is in `state`.
-    #[inline]
-    pub fn face_term(&self, face: usize, state: &State) -> FaceTerm {
+    /// What the faces from `first` on are in `state`, as many as there are lanes.
+    #[inline(always)]
+    pub fn face_terms(&self, first: usize, state: &State) -> FaceTerms {
         let gradient = self.operators.gradient();
-        let corners = gradient.triangles()[face].map(|corner| corner as usize);
-        let hats = &gradient.hats()[face];
-        let first = state.rotations[corners[0]];
-        let rotations = corners.map(|corner| aligned(state.rotations[corner], &first));
-        let mean = normalized(rotations[0] + rotations[1] + rotations[2]);
-        let apart = rotations.map(|rotation| rotation * mean.conjugate());
-        let edge = |from: &[Vector3<f64>], corner: usize| from[corners[corner]] - from[corners[0]];
-        let columns =
-            |[j, k]: [Vector3<f64>; 2]| [0, 1].map(|axis| hats[1][axis] * j + hats[2][axis] * k);
-        let tangents = columns([1, 2].map(|corner| edge(&self.rest, corner)));
-        let basis = tangents.map(|tangent| rotated(&mean, &tangent));
-        let deformed = columns([1, 2].map(|corner| edge(&state.positions, corner)));
-        let strain = [0, 1].map(|axis| deformed[axis] - basis[axis]);
-        let normal = basis[0].cross(&basis[1]);
-        let area = deformed[0].cross(&deformed[1]);
+        let (triangles, all_hats) = (gradient.triangles(), gradient.hats());
+        let last = triangles.len() - 1;
+        let mut faces = [last; LANES];
+        let mut corners = [[0; LANES]; 3];
+        let mut areas = Lanes::all(0.0);
+        for lane in 0..LANES {
+            faces[lane] = last.min(first + lane);
+            let triangle = &triangles[faces[lane]];
+            for (places, &corner) in corners.iter_mut().zip(triangle) {
+                places[lane] = corner as usize;
+            }
+            if first + lane <= last && self.is_held(triangle) {
+                areas.0[lane] = gradient.face_areas()[faces[lane]];
+            }
+        }
+        let mut hats = [[Lanes::all(0.0); 2]; 3];
+        for (corner, hat) in hats.iter_mut().enumerate() {
+            for (axis, lanes) in hat.iter_mut().enumerate() {
+                *lanes = Lanes::of(|lane| all_hats[faces[lane]][corner][axis]);
+            }
+        }
+        let a = Quaternions::of(&state.rotations, &corners[0]);
+        let b = Quaternions::of(&state.rotations, &corners[1]).aligned(a);
+        let c = Quaternions::of(&state.rotations, &corners[2]).aligned(a);
+        let mean = (a + b + c).normalized();
+        let apart = [a.from(mean), b.from(mean), c.from(mean)];
+        let tangents = columns(&self.rest, &corners, &hats);
+        let basis = [mean.rotated(tangents[0]), mean.rotated(tangents[1])];
+        let deformed = columns(&state.positions, &corners, &hats);
+        let strain = [deformed[0] - basis[0], deformed[1] - basis[1]];
+        let normal = basis[0].cross(basis[1]);
+        let area = deformed[0].cross(deformed[1]);
         // A degenerate face has little area at rest.
-        let lack = LEAST_AREA * normal.norm_squared() - normal.dot(&area);
+        let lack = normal.norm_squared() * LEAST_AREA - normal.dot(area);
+        let parameters = &self.parameters;
+        let lack = match parameters.crushing > 0.0 {
+            true => lack.map(|lack| if lack > 0.0 { lack } else { 0.0 }),
+            false => Lanes::all(0.0),
+        };
         let square = strain[0].norm_squared()
             + strain[1].norm_squared()
-            + self.parameters.stiffness * turning(&apart, hats);
-        let crushing = self.parameters.crushing;
-        let crushed = (lack > 0.0 && crushing > 0.0).then(|| Crushed {
-            lack,
-            firmness: crushing / self.parameters.weight(square),
-            by_columns: [deformed[1].cross(&normal), normal.cross(&deformed[0])],
-            by_turn: normal.cross(&area),
-        });
-        FaceTerm {
-            crushed,
+            + turning(&apart, &hats) * parameters.stiffness;
+        let e = (square + parameters.unstrained).sqrt();
+        FaceTerms {
+            hats,
             apart,
             basis,
             strain,
             square,
+            lack,
+            by_columns: [deformed[1].cross(normal), normal.cross(deformed[0])],
+            by_turn: normal.cross(area),
+            weight: e.recip() + parameters.softness,
+            // Of differences, so that digits are left near rest.
+            cost: square / (e + parameters.unstrained.sqrt())
+                + (square * parameters.softness + lack * lack * parameters.crushing) * 0.5,
+            areas,
         }
     }
 
     /// E of a state that meets the goals, above what ε alone gives, length².
     pub fn value(&self, state: &State, goals: &Goals) -> f64 {
-        let areas = self.operators.gradient().face_areas();
-        let triangles = self.operators.gradient().triangles();
-        let faces = parallel::sum(areas.len(), |range| {
-            range
-                .filter(|&face| self.is_held(&triangles[face]))
-                .map(|face| areas[face] * self.parameters.cost(&self.face_term(face, state)))
-                .sum()
+        let blocks = self.operators.gradient().face_areas().len().div_ceil(LANES);
+        let processor = Arch::new();
+        let faces = parallel::sum(blocks, |range| {
+            processor.dispatch(Costs {
+                model: self,
+                state,
+                blocks: range,
+            })
         });
         faces + self.value_at_vertices(state, goals)
     }
@@ -123,23 +150,6 @@ impl Model {
 }
 
 impl Parameters {
-    /// φ(e) − φ(ε), and what crushing costs.
-    #[inline]
-    pub fn cost(&self, term: &FaceTerm) -> f64 {
-        let square = term.square;
-        let e = (square + self.unstrained).sqrt();
-        let lack = term.crushed.as_ref().map_or(0.0, |crushed| crushed.lack);
-        // Of differences, so that digits are left near rest.
-        square / (e + self.unstrained.sqrt())
-            + 0.5 * (self.softness * square + self.crushing * lack * lack)
-    }
-
-    /// φ′(e)/e.
-    #[inline]
-    pub fn weight(&self, square: f64) -> f64 {
-        (square + self.unstrained).sqrt().recip() + self.softness
-    }
-
     /// √(|x − p|² + (0.01 D)²) − 0.01 D.
     #[inline]
     fn moved(&self, square: f64) -> f64 {
@@ -147,10 +157,44 @@ impl Parameters {
     }
 }
 
+/// The costs of some blocks of faces.
+struct Costs<'a> {
+    model: &'a Model,
+    state: &'a State,
+    blocks: Range<usize>,
+}
+
+impl WithSimd for Costs<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _processor: S) -> f64 {
+        let mut sum = Lanes::all(0.0);
+        for block in self.blocks {
+            let terms = self.model.face_terms(block * LANES, self.state);
+            sum = sum + terms.areas * terms.cost;
+        }
+        sum.sum()
+    }
+}
+
+/// The gradients of `values` at the corners of faces, two columns.
+#[inline(always)]
+fn columns(values: &[Vector3<f64>], corners: &[Places; 3], hats: &[[Lanes; 2]; 3]) -> [Vectors; 2] {
+    let origin = Vectors::of(values, &corners[0]);
+    let j = Vectors::of(values, &corners[1]) - origin;
+    let k = Vectors::of(values, &corners[2]) - origin;
+    [
+        j * hats[1][0] + k * hats[2][0],
+        j * hats[1][1] + k * hats[2][1],
+    ]
+}
+
 /// |∇R|², the squared angle by length: 4 |∇q|² of unit quaternions q.
-#[inline]
-fn turning(apart: &[Quaternion<f64>; 3], hats: &[FaceVector; 3]) -> f64 {
-    let (j, k) = ((apart[1] - apart[0]).coords, (apart[2] - apart[0]).coords);
-    let along = |axis: usize| (hats[1][axis] * j + hats[2][axis] * k).norm_squared();
-    4.0 * (along(0) + along(1))
+#[inline(always)]
+fn turning(apart: &[Quaternions; 3], hats: &[[Lanes; 2]; 3]) -> Lanes {
+    let (j, k) = (apart[1] - apart[0], apart[2] - apart[0]);
+    let first = j * hats[1][0] + k * hats[2][0];
+    let second = j * hats[1][1] + k * hats[2][1];
+    (first.dot(first) + second.dot(second)) * 4.0
 }

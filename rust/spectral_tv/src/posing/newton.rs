@@ -6,7 +6,8 @@ use crate::monitor::Stage;
 use crate::posing::current::Current;
 use crate::posing::field::Field;
 use crate::posing::levels::Levels;
-use crate::posing::linearized::{Linearized, Numbers};
+use crate::posing::linearized::Linearized;
+use crate::posing::numbers::Numbers;
 use crate::posing::search::{Reached, largest_movement, limited, searched};
 
 const MOST_ITERATIONS: usize = 60;

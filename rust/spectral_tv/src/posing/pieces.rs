@@ -5,6 +5,7 @@ use petgraph::unionfind::UnionFind;
 
 use crate::mesh::{TriangleMesh, component_count};
 use crate::posing::handles::diagonal;
+use crate::posing::lanes::LANES;
 use crate::posing::model::Model;
 use crate::posing::motion::{self, Motion, Pair};
 use crate::posing::state::{State, aligned, normalized};
@@ -33,7 +34,9 @@ const ALIKE: f64 = 1e-2;
 pub(super) fn pieces(mesh: &TriangleMesh, model: &Model, state: &State) -> Vec<Option<u32>> {
     let areas = mesh.face_areas();
     let terms: Vec<f64> = (0..areas.len())
-        .map(|face| model.face_term(face, state).square.sqrt())
+        .step_by(LANES)
+        .flat_map(|first| model.face_terms(first, state).square.sqrt().0)
+        .take(areas.len())
         .collect();
     let mut order: Vec<usize> = (0..areas.len()).filter(|&face| areas[face] > 0.0).collect();
     order.sort_by(|&a, &b| terms[a].total_cmp(&terms[b]));

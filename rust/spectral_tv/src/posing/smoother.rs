@@ -5,6 +5,7 @@ use ndarray::Array2;
 
 use crate::error::Result;
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::posing::field::Field;
 use crate::posing::linearized::Linearized;
 use crate::posing::model::{Model, Role};
@@ -62,15 +63,10 @@ impl Smoother {
     pub fn set_turns(&mut self, linearized: &Linearized, stage: Stage) -> Result<()> {
         let model = linearized.model;
         let mut masses = vec![0.0; model.rest.len()];
-        for (corners, face) in model
-            .operators
-            .gradient()
-            .triangles()
-            .iter()
-            .zip(&linearized.numbers.faces)
-        {
+        let triangles = model.operators.gradient().triangles();
+        for (face, corners) in triangles.iter().enumerate() {
             for &corner in corners {
-                masses[corner as usize] += SPIN / 3.0 * face.weight;
+                masses[corner as usize] += SPIN / 3.0 * linearized.numbers.weight(face);
             }
         }
         let stiffness = model.parameters.stiffness;
@@ -142,14 +138,14 @@ impl Block {
         stage: Stage,
     ) -> Result<()> {
         let operators = &linearized.model.operators;
-        let areas = operators.gradient().face_areas().iter();
-        let faces = linearized.numbers.faces.iter().zip(areas).enumerate();
-        let weights: Vec<f64> = faces
-            .map(|(place, (face, &area))| match area > 0.0 {
-                true => scale * linearized.crushing(place) * face.weight / area,
-                false => 0.0,
-            })
-            .collect();
+        let areas = operators.gradient().face_areas();
+        let weights = parallel::values(areas.len(), |face| match areas[face] > 0.0 {
+            true => {
+                let weight = linearized.numbers.weight(face);
+                scale * linearized.crushing(face) * weight / areas[face]
+            }
+            false => 0.0,
+        });
         let mut couplings = operators.edges().couplings(&weights);
         let own = |(vertex, &held): (usize, &bool)| if held { 1.0 } else { diagonal(vertex) };
         let mut masses: Vec<f64> = self.held.iter().enumerate().map(own).collect();
