@@ -29,6 +29,8 @@ LOOK = 0.25
 LOOK_SHARE = 20
 # Seconds between two looks at what runs in the background, where one waits for it.
 WAIT = 1e-3
+# Seconds for which Blender waits for a rough answer.
+PATIENCE = 0.1
 
 
 class LiveDeformation:
@@ -55,8 +57,8 @@ class LiveDeformation:
         why, and the shape stays until it can. Raises Refusal or spectral_tv.MeshError if the object
         can no longer be deformed.
         """
-        if self.is_dragging and not self._job.done:
-            return False  # soon: what changed meanwhile is looked at then
+        if self.is_dragging and not self._is_answered():
+            return False  # what changed meanwhile is looked at then
         obj = bpy.data.objects.get(self._name)
         reason = "it was removed or renamed" if obj is None else follow_refusal(obj)
         if reason is not None:
@@ -193,6 +195,15 @@ class LiveDeformation:
 
     def _start_drag(self) -> None:
         self._job, self._asked = self._follower.start_drag(self._targets), self._targets
+        self._patience = time.monotonic() + PATIENCE
+
+    def _is_answered(self) -> bool:
+        """Whether the rough answer is there; waits for one that does not take long."""
+        while not self._job.done:
+            if time.monotonic() > self._patience:
+                return False
+            time.sleep(WAIT)
+        return True
 
     def _is_prepared(self) -> bool:
         """Whether the follower is ready; starts to prepare it."""
