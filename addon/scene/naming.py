@@ -8,6 +8,7 @@ import bpy
 from .channels import own_actions
 from .decomposition import NAMED, SpectralTVRecord
 from .drivers import retarget_drivers
+from .masks import fit_names
 from .names import LONGEST, free_name
 from .objects import user_of
 from .records import LABEL, keeping_of, recognise_bands, records_of
@@ -84,6 +85,7 @@ def _rename_bands(record: SpectralTVRecord) -> None:
         if name in own and name != given:
             rename_key(mesh, there[name], given)
             band.given = band.key = given
+            fit_names(obj, [there[given]])
 
 
 NAMED.append(_rename_bands)
