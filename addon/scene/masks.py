@@ -116,19 +116,29 @@ def settle(obj: bpy.types.Object, keys: Sequence[bpy.types.ShapeKey]) -> None:
 
 
 def fit_names(obj: bpy.types.Object, keys: Iterable[bpy.types.ShapeKey]) -> None:
-    """Have masks of keys that are their own follow the names of these."""
-    own = [key for key in keys if is_own(obj, key.vertex_group)]
-    for key in own:
-        former = key.vertex_group
-        wanted = free_name(key.name, LABEL, taken_names(obj, "GROUP") - {former})
-        if wanted == former or others_with(obj, former):
-            continue
-        masked = [keys_of(obj.data)[name] for name in keys_with(obj.data, former)]
-        group, kept = obj.vertex_groups[former], obj.data.spectral_tv.masks[former]
-        group.name = wanted
-        kept.name = group.name
-        for each in masked:
-            each.vertex_group = group.name
+    """Have masks of keys that are their own follow the names of these, of the first if shared."""
+    first: dict[str, str] = {}
+    for key in keys:
+        name = key.vertex_group
+        if is_own(obj, name) and not others_with(obj, name):
+            first.setdefault(name, key.name)
+    taken = taken_names(obj, "GROUP") - first.keys()
+    wanted = {}
+    for former, stem in first.items():
+        wanted[former] = free_name(stem, LABEL, taken)
+        taken.add(wanted[former])
+    changed = [(obj.vertex_groups[name], name) for name in wanted if wanted[name] != name]
+    masked = {name: keys_with(obj.data, name) for _, name in changed}
+    for group, former in changed:
+        group.name = free_name(former, "", taken_names(obj, "GROUP"))  # to make room for others
+    for group, former in changed:
+        group.name = wanted[former]
+        for name in masked[former]:
+            keys_of(obj.data)[name].vertex_group = group.name
+    kept = obj.data.spectral_tv.masks
+    places = [(kept[former], wanted[former]) for _, former in changed]
+    for place, name in places:
+        place.name = name
 
 
 def release(obj: bpy.types.Object) -> None:
@@ -149,7 +159,8 @@ def _new(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bpy.types.VertexGrou
     group = obj.vertex_groups.new(name=free_name(key.name, LABEL, taken_names(obj, "GROUP")))
     if active >= 0:
         obj.vertex_groups.active_index = active
-    obj.data.spectral_tv.masks.add().name = group.name
+    if group.name not in obj.data.spectral_tv.masks:
+        obj.data.spectral_tv.masks.add().name = group.name
     return group
 
 

@@ -1,5 +1,7 @@
 """The operator that splits the parts that were found into connected ones, as vertex groups."""
 
+from contextlib import nullcontext
+
 import bpy
 import numpy as np
 from bpy.props import FloatProperty
@@ -20,8 +22,8 @@ NOTHING = -1
 
 
 class SPECTRAL_TV_OT_split_segments(ChangeOperator, bpy.types.Operator):
-    """Split the segments of all selected meshes into connected parts, each a vertex group: the
-    right hand and the left hand. They serve as masks of bands"""
+    """Split the segments of all selected meshes that are in several pieces into connected parts,
+    each a vertex group: one hand and the other. They serve as masks of bands"""
 
     bl_idname = "spectral_tv.split_segments"
     bl_label = "Split into Connected Parts"
@@ -45,13 +47,13 @@ class SPECTRAL_TV_OT_split_segments(ChangeOperator, bpy.types.Operator):
     def change(self, context: bpy.types.Context, _obj: bpy.types.Object) -> str:
         found = read_each(context, lambda obj: (obj, *self._read(obj)))
         for obj, pieces, joined in found:
-            with about(obj.name):
+            with about(obj.name) if len(found) > 1 else nullcontext():
                 if joined:
                     note(f"{joined} parts were too small, and belong to their neighbors now")
                 results.write(obj, PARTS, "", pieces, lambda _: True, _name)
         count = sum(len(pieces) for _, pieces, _ in found)
         meshes = "" if len(found) == 1 else f" in {len(found)} meshes"
-        return f"{count} connected parts{meshes}"
+        return f"{count} connected parts{meshes}" if count else "every segment is connected"
 
     def _read(self, obj: bpy.types.Object) -> tuple[dict[str, Piece], int]:
         """The parts of an object by their segments and numbers, and how many were joined."""
@@ -74,7 +76,7 @@ class SPECTRAL_TV_OT_split_segments(ChangeOperator, bpy.types.Operator):
         for label, name in enumerate(names):
             # The largest first, and of equal ones that with the first vertex.
             order = sorted(np.flatnonzero(own == label), key=lambda part: -sizes[part])
-            for number, part in enumerate(order, start=1):
+            for number, part in enumerate(order if len(order) > 1 else (), start=1):
                 pieces[f"{name}/{number}"] = Piece("GROUP", (found == part).astype(float))
         return pieces, joined
 
