@@ -23,8 +23,8 @@ class SpectralTVPainting(bpy.types.PropertyGroup):
 
 
 class SPECTRAL_TV_OT_paint_mask(MaskOperator, bpy.types.Operator):
-    """Paint where the band acts, in Weight Paint; again to go back. Without a mask one is made that
-    lets the band act everywhere: paint weight 0 where it shall not act"""
+    """Paint where the band acts, in Weight Paint; again to go back. Without a mask one is made, by
+    which the band acts everywhere: paint weight 0, or hold Ctrl, where it shall not"""
 
     bl_idname = "spectral_tv.paint_mask"
     bl_label = "Paint Mask"
@@ -67,7 +67,7 @@ class SPECTRAL_TV_OT_paint_mask(MaskOperator, bpy.types.Operator):
         group, done = masks.mask_group(obj, band), "is the mask that is painted"
         if group is None:
             group = masks.give(obj, band, np.full(len(obj.data.vertices), self.weight))
-            done = "is the new mask; paint weight 0 where the band shall not act"
+            done = "is the new mask; paint weight 0, or hold Ctrl, where the band shall not act"
         obj.vertex_groups.active_index = group.index
         others = told(obj, group.name, [band.name])
         if others:
