@@ -19,7 +19,7 @@ from .mask_operators import band_number, band_of
 from .set_bands import bands_refusal
 
 # Equal steps of the flow; more of them change no weight by 1 %.
-STEPS = 8
+STEPS = 4
 
 
 @dataclass(frozen=True)
