@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from ball import ball
 from contents import contents, differences
-from deform_scene import evaluated, key_positions
+from deform_scene import constrain, evaluated, key_positions
 from masked_ball import BANDS, SMALL, heights, keys, mask, own, paint, select, weights
 
 OPS = bpy.ops.spectral_tv
@@ -232,6 +232,51 @@ def test_removing_takes_the_group_that_was_made_and_no_other(masked, capfd):
     assert "the vertex group 'Cap' stays" in capfd.readouterr().out
     with pytest.raises(RuntimeError, match=f"'{BANDS[1]}' has no mask"):
         OPS.remove_mask(band=2)
+
+
+def by_nodes(obj) -> None:
+    """Have an input of Geometry Nodes take the mask as an attribute."""
+    tree = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
+    socket = tree.interface.new_socket("Where", socket_type="NodeSocketFloat")
+    modifier = obj.modifiers.new("Nodes", "NODES")
+    modifier.node_group = tree
+    modifier[f"{socket.identifier}_attribute_name"] = MASKS[1]
+
+
+def by_a_constraint(obj) -> None:
+    """Have an object stay where the mask is."""
+    other = bpy.data.objects.new("Hat", None)
+    bpy.context.scene.collection.objects.link(other)
+    constraint = other.constraints.new("COPY_LOCATION")
+    constraint.target, constraint.subtarget = obj, MASKS[1]
+
+
+def by_particles(obj) -> None:
+    obj.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    obj.particle_systems[0].vertex_group_density = MASKS[1]
+
+
+def by_cloth(obj) -> None:
+    obj.modifiers.new("Cloth", "CLOTH").settings.vertex_group_mass = MASKS[1]
+
+
+def by_deform(obj) -> None:
+    constrain(obj, MASKS[1], "PIN")
+
+
+@pytest.mark.parametrize("used", [by_nodes, by_a_constraint, by_particles, by_cloth, by_deform])
+def test_what_uses_a_mask_beside_its_band_is_found(masked, used, capfd):
+    before = mask(masked)
+    used(masked)
+    OPS.paint_mask(band=2)
+    assert f"use '{MASKS[1]}' too, and change as it is painted" in capfd.readouterr().out
+    OPS.paint_mask(band=2)
+    OPS.invert_mask(band=2)
+    np.testing.assert_array_equal(weights(masked, MASKS[1]), before)
+    np.testing.assert_array_equal(mask(masked), 1 - before)
+    OPS.remove_mask(band=2)
+    assert masked.vertex_groups.keys() == ["Cap", MASKS[1]]
+    bpy.data.batch_remove([*bpy.data.node_groups, *bpy.data.particles])
 
 
 def test_a_group_of_yours_with_the_name_of_a_mask_is_not_touched(banded):
