@@ -9,6 +9,7 @@ from deform_scene import coordinates
 
 SMALL = {"bands": 3, "steps": 8}
 BANDS = [f"M1 Band {band}" for band in (1, 2, 3)]
+MASKS = [f"{name} Mask" for name in BANDS]
 
 
 def keys(obj):
@@ -23,7 +24,7 @@ def weights(obj, name: str) -> np.ndarray:
 
 
 def mask(obj, band: int = 2) -> np.ndarray:
-    return weights(obj, keys(obj)[f"M1 Band {band}"].vertex_group)
+    return weights(obj, keys(obj)[BANDS[band - 1]].vertex_group)
 
 
 def paint(obj, name: str, vertices, weight: float = 0.0) -> None:

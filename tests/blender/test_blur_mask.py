@@ -10,7 +10,7 @@ import pytest
 import spectral_tv
 from ball import ball, object_of
 from deform_scene import evaluated
-from masked_ball import SMALL, heights, keys, mask, own, paint, select
+from masked_ball import BANDS, MASKS, SMALL, heights, keys, mask, own, paint, select
 
 OPS = bpy.ops.spectral_tv
 
@@ -47,11 +47,11 @@ def test_a_straight_border_becomes_the_error_function(sheet, scale):
     expected = np.array([(1 + erf((each - 0.025) / radius)) / 2 for each in x])
     np.testing.assert_allclose(mask(sheet, 1), expected, atol=0.02)
     assert abs(mask(sheet, 1)[np.isclose(x, -0.2 + 0.05)] - 0.08).max() < 0.03
-    assert sheet.vertex_groups.keys() == ["M1 Band 1 Mask"] == own(sheet)
+    assert sheet.vertex_groups.keys() == [MASKS[0]] == own(sheet)
 
 
 def test_it_is_the_flow_of_the_package_on_what_is_seen(sheet):
-    keys(sheet)["M1 Band 1"].value = -1
+    keys(sheet)[BANDS[0]].value = -1
     vertices = evaluated(sheet)
     before = mask(sheet, 1)
     assert OPS.blur_mask(band=1, radius=5) == {"FINISHED"}
@@ -84,17 +84,17 @@ def test_a_group_of_yours_is_copied_first_and_nothing_to_blur_is_refused(sheet, 
     OPS.choose_mask(band=2, group="Mine")
     OPS.blur_mask(band=2)
     assert "'Mine' stays as it was" in capfd.readouterr().out
-    assert keys(sheet)["M1 Band 2"].vertex_group == "M1 Band 2 Mask"
+    assert keys(sheet)[BANDS[1]].vertex_group == MASKS[1]
     OPS.paint_mask(band=3, weight=0.5)
-    with pytest.raises(RuntimeError, match=r"the mask of 'M1 Band 3' is 0\.5 everywhere"):
+    with pytest.raises(RuntimeError, match=rf"the mask of '{BANDS[2]}' is 0\.5 everywhere"):
         OPS.blur_mask(band=3)
 
 
 def test_in_weight_paint_the_result_is_what_is_painted_on(sheet):
     OPS.paint_mask(band=1)
     OPS.blur_mask(band=1, radius=5)
-    assert sheet.mode == "WEIGHT_PAINT" and sheet.vertex_groups.active.name == "M1 Band 1 Mask"
-    paint(sheet, "M1 Band 1 Mask", range(10), 0.75)
+    assert sheet.mode == "WEIGHT_PAINT" and sheet.vertex_groups.active.name == MASKS[0]
+    paint(sheet, MASKS[0], range(10), 0.75)
     before = mask(sheet, 1)
     bpy.ops.object.mode_set(mode="OBJECT")
     np.testing.assert_array_equal(mask(sheet, 1), before)

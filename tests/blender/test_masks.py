@@ -8,10 +8,9 @@ import pytest
 from ball import ball
 from contents import contents, differences
 from deform_scene import constrain, evaluated, key_positions
-from masked_ball import BANDS, SMALL, heights, keys, mask, own, paint, select, weights
+from masked_ball import BANDS, MASKS, SMALL, heights, keys, mask, own, paint, select, weights
 
 OPS = bpy.ops.spectral_tv
-MASKS = [f"{name} Mask" for name in BANDS]
 
 
 @pytest.fixture

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from ball import ball, saved_and_loaded
 from deform_scene import evaluated, key_positions
-from masked_ball import BANDS, SMALL, heights, keys, mask, own, paint, select, weights
+from masked_ball import BANDS, MASKS, SMALL, heights, keys, mask, own, paint, select, weights
 from sculpted_head import at_rest, sculpted_head
 
 OPS = bpy.ops.spectral_tv
-MASK = f"{BANDS[1]} Mask"
+MASK = MASKS[1]
 
 
 @pytest.fixture
@@ -63,9 +63,9 @@ def test_a_band_in_the_place_of_several_has_the_mean_of_their_masks(masked, capf
     expected = (counts[0] + 1.5 * counts[1] * up + 0.5 * 0.25 * counts[2]) / counts.sum() / value
     np.testing.assert_allclose(weights(masked, key.vertex_group), expected, atol=1e-5)
     said = capfd.readouterr().out
-    assert "has the mean of the masks of 'M1 Band 1', 'M1 Band 2', 'M1 Band 3'" in said
+    assert f"has the mean of the masks of {', '.join(map(repr, BANDS))}" in said
     assert f"stay as vertex groups: {MASK}, {BANDS[2]} Mask" in said
-    assert own(masked) == [key.vertex_group] == ["M1 Band 1 Mask"]
+    assert own(masked) == [key.vertex_group] == [MASKS[0]]
     np.testing.assert_array_equal(weights(masked, MASK), up)
 
 
@@ -73,14 +73,14 @@ def test_masks_change_places_with_their_bands(masked):
     """Where each takes the name that another one had."""
     OPS.copy_mask(band=2)
     for band in (1, 2, 3):
-        paint(masked, f"M1 Band {band} Mask", [0], band / 4)
+        paint(masked, MASKS[band - 1], [0], band / 4)
     there = keys(masked)
     for key, name in ((there[1], "Spare"), (there[2], BANDS[0]), (there[1], BANDS[1])):
         key.name = name
     OPS.decompose(bands=3, steps=12)
     assert {*masked.vertex_groups.keys()} == {
         "Cap",
-        *(f"M1 Band {band} Mask" for band in (1, 2, 3)),
+        *MASKS,
     }
     for key in [*keys(masked)][1:]:
         assert key.vertex_group == f"{key.name} Mask"
