@@ -14,7 +14,7 @@ from types import ModuleType
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.types import Operator, Panel, PropertyGroup, UIList
+from bpy.types import Menu, Operator, Panel, PropertyGroup, UIList
 
 from . import attributes, bands, command_line, deformation, images, job, scene, segmentation
 
@@ -33,7 +33,7 @@ def _classes() -> Iterator[type]:
     for file in _all("FILES"):
         for each in vars(file).values():
             is_own = isinstance(each, type) and each.__module__ == file.__name__
-            if is_own and issubclass(each, Operator | Panel | PropertyGroup | UIList):
+            if is_own and issubclass(each, Menu | Operator | Panel | PropertyGroup | UIList):
                 yield each
 
 

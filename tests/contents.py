@@ -60,6 +60,7 @@ def _object(obj: bpy.types.Object) -> dict[str, Any]:
     if obj.type == "ARMATURE":
         found["bones"] = [_bone(bone) for bone in obj.pose.bones]
     if obj.type == "MESH":
+        found["painting"] = values(obj.spectral_tv_painting)
         found["active key"] = obj.active_shape_key_index
         found["groups"] = [group.name for group in obj.vertex_groups]
         found["work"] = values(obj.spectral_tv_work)

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import spectral_tv
 
+from ..scene import masks
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.fingerprints import Likeness
 from ..scene.keeping import PLACES, USUAL, Band
@@ -112,6 +113,7 @@ class _Pending:
             wanted = band_names(self.stem, len(self.new))
             names, given = _take_place(obj, record, self.new, wanted, self._overlap(record))
             settings = self._mask(settings_of(record))
+            masks.settle(obj, self.new)
         record.method, record.settings = settings.method, settings.text()
         record.solo, record.area = 0, self.part.surface.mesh.area
         record.scale = world_scale(obj)
@@ -163,6 +165,7 @@ def cut_again(obj: bpy.types.Object, count: int, keep_limbs: float | None = None
     former = [(band.start, band.end) for band in record.bands]
     overlap = Overlap.of(former, [*pairwise(edges)], flow.split.times[1:-1])
     names, given = _take_place(obj, record, new, wanted, overlap)
+    masks.settle(obj, new)
     record.settings = settings.text()
     _record_bands(obj, record, names, given, edges)
     return names

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty
 
-from ..scene import mix
+from ..scene import masks, mix
 from ..scene.applying import FOLLOWERS
 from ..scene.keeping import Band
 from ..scene.look import become
@@ -59,6 +59,7 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
         become(obj, displacement, spent)
         for renew in renewals:
             renew()
+        masks.release(obj)
         left = "" if obj.data.shape_keys is not None else "; it has no shape keys any more"
         return f"{len(spent)} bands became the shape of {obj.name!r}{left}"
 

@@ -7,7 +7,7 @@ import bpy
 from ..drawing.sidebar import Sidebar, say
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
-from . import filter_curve, list_panel, live_guard, spectrum
+from . import filter_curve, list_panel, live_guard, mask_menu, spectrum
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
@@ -57,6 +57,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
                 row.label(text=f"Band {number} was deleted")
                 continue
             row.prop(key, "value", text=key.name, slider=True)
+            mask_menu.draw(row, obj, key, number)
             row.prop(key, "mute", text="", icon="HIDE_ON" if key.mute else "HIDE_OFF")
             icon = "SOLO_ON" if number == record.solo else "SOLO_OFF"
             solo = row.operator(operators.SPECTRAL_TV_OT_solo.bl_idname, text="", icon=icon)

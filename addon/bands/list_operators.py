@@ -4,6 +4,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..job.operator import ChangeOperator
+from ..scene import masks
 from ..scene.drivers import readers
 from ..scene.fingerprints import Likeness
 from ..scene.notes import listed, note
@@ -74,6 +75,7 @@ class SPECTRAL_TV_OT_remove_decomposition(ChangeOperator, bpy.types.Operator):
         for key in names:
             keeping.remove(obj, there[key])
         remove_record(obj, name)
+        masks.release(obj)
         gone = f"its shape keys {listed(names)}" if names else "no shape key"
         return f"removed the decomposition {name!r} and {gone}"
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..scene import masks
 from ..scene.channels import Animated, own_actions
 from ..scene.curve_sums import Term, total
 from ..scene.drivers import copy_driver, retarget_drivers, same_driver
@@ -18,6 +19,7 @@ from ..scene.fcurves import Point, add_curve, make_keyframes, same_modifiers
 from ..scene.keeping import Band, Keeping
 from ..scene.names import free_name
 from ..scene.notes import note
+from .mean_mask import mean_mask
 from .overlap import Overlap
 
 # By how much values of bands may differ untold.
@@ -148,11 +150,9 @@ class Recut:
         key.slider_max = max(value, *(each.slider_max for each in former))
         key.value = value
         key.mute = all(each.mute for each in former)
-        key.vertex_group = former[0].vertex_group
+        self._carry_mask(band, order)
         key.lock_shape = former[0].lock_shape
-        for what, name in (("vertex groups", "vertex_group"), ("locks", "lock_shape")):
-            same = [getattr(each, name) == getattr(key, name) for each in former]
-            self._tell(band, what, order, same)
+        self._tell(band, "locks", order, [each.lock_shape == key.lock_shape for each in former])
         heard = [self.old[old].value for old in self._heard(band)]
         if self.parts[band].sum() < 1 - 1e-9:  # what no old band held was left as it is
             heard.append(0.0)
@@ -162,6 +162,20 @@ class Recut:
             note(
                 f"{self.names[band]!r} is in the place of muted bands too, which count for nothing"
             )
+
+    def _carry_mask(self, band: int, order: Sequence[int]) -> None:
+        """Give it the mask of the old ones, or the mean of those that are seen if they differ."""
+        seen = {self.old[old].vertex_group for old in order}
+        if len(seen) == 1:
+            self.new[band].vertex_group = self.old[order[0]].vertex_group
+            return
+        heard = self._heard(band)
+        bands, parts = [self.old[old] for old in heard], self.parts[band, heard]
+        is_moving = any(self.keeping.animation_of(each, "value") for each in bands)
+        values = [1.0 if is_moving else each.value for each in bands]
+        masks.give(self.obj, self.new[band], mean_mask(self.obj, bands, parts, values))
+        names = ", ".join(repr(self.old[old].name) for old in sorted(order))
+        note(f"{self.names[band]!r} has the mean of the masks of {names}, which differ")
 
     def _tell(self, band: int, what: str, former: Sequence[int], same: Sequence[bool]) -> None:
         """Note that what the first of old bands had was taken, where others had not the same."""

@@ -67,8 +67,10 @@ class SPECTRAL_TV_OT_take_bands(BandsOperator, bpy.types.Operator):
                     lambda _: True,
                     lambda _source, label: (label, ""),
                 )
-        for name in names:
-            obj.data.shape_keys.key_blocks[name].value = 1.0
+        for name, band in zip(names, chosen, strict=True):
+            key = obj.data.shape_keys.key_blocks[name]
+            # Where the band is masked, it stays, and nothing takes its place.
+            key.value, key.vertex_group = 1.0, own[band].vertex_group
         values = [key.value if key is not None else 0.0 for key in own]
         for band in chosen:
             values[band] = -1.0

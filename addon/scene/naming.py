@@ -8,9 +8,10 @@ import bpy
 from .channels import own_actions
 from .decomposition import NAMED, SpectralTVRecord
 from .drivers import retarget_drivers
+from .masks import fit_names
 from .names import LONGEST, free_name
 from .objects import user_of
-from .records import LABEL, keeping_of, recognise_bands, records_of
+from .records import LABEL, bands_of, keeping_of, recognise_bands, records_of
 
 # What a decomposition is called that was given no name.
 NAMELESS = "Bands"
@@ -84,6 +85,7 @@ def _rename_bands(record: SpectralTVRecord) -> None:
         if name in own and name != given:
             rename_key(mesh, there[name], given)
             band.given = band.key = given
+    fit_names(obj, [band for band in bands_of(obj, record) if band is not None])
 
 
 NAMED.append(_rename_bands)

@@ -17,17 +17,19 @@ from .contents import TYPES
 from .decomposition import SpectralTVRecord
 from .documents import SpectralTVDocument
 from .fingerprints import Fingerprint, Likeness, names, recognise
+from .masks import SpectralTVMask
 from .names import free_name, taken_names
 from .notes import note
 from .objects import Refusal
 from .shape_keys import add_displacements, remove_key, set_displacement
+from .weights import set_weights
 from .whole import whole
 
-# Weights below that are taken out of a vertex group.
-NOTHING = 1e-6
 # Blender's own attributes that end it where they are of another type; 5.2 refuses none of them.
 OF_ONE_TYPE = {"material_index", "sharp_edge", "uv_seam"}
 THINGS = {"KEY": "shape key", "GROUP": "vertex group", "ATTRIBUTE": "attribute"}
+# Kinds of results that others ask for: the parts of a mesh, and their connected parts.
+SEGMENTS, PARTS = "SEGMENTS", "PARTS"
 
 
 class SpectralTVResult(Fingerprint, bpy.types.PropertyGroup):
@@ -54,6 +56,7 @@ class SpectralTVMesh(bpy.types.PropertyGroup):
     # Of files from before there were several.
     decomposition: PointerProperty(type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"})
     results: CollectionProperty(type=SpectralTVResult)
+    masks: CollectionProperty(type=SpectralTVMask)
     table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
     picture: PointerProperty(type=bpy.types.Image, name="Picture", description="Of the same")
     accuracy: PointerProperty(type=bpy.types.Text, name="Accuracy", description="Of its bands")
@@ -111,6 +114,12 @@ def write(
         each.take(obj, piece.written, targets[label])
     obj.data.update_tag()
     return [targets[label] for label in pieces]
+
+
+def groups_shown(obj: bpy.types.Object, kind: str) -> list[str]:
+    """Vertex groups of a kind that are there under their names, for panels."""
+    records = [each for each in obj.data.spectral_tv.results if each.written == "GROUP"]
+    return [each.key for each in records if each.kind == kind and each.key in obj.vertex_groups]
 
 
 def written_names(obj: bpy.types.Object, written: str) -> list[str]:
@@ -201,10 +210,7 @@ def _fill(obj: bpy.types.Object, piece: Piece, name: str) -> None:
     if piece.written == "KEY":
         set_displacement(obj, obj.data.shape_keys.key_blocks[name], piece.values)
     elif piece.written == "GROUP":
-        group, weights = obj.vertex_groups[name], np.clip(piece.values, 0, 1)
-        group.remove(np.flatnonzero(weights <= NOTHING).tolist())
-        for vertex in np.flatnonzero(weights > NOTHING).tolist():
-            group.add([vertex], float(weights[vertex]), "REPLACE")
+        set_weights(obj.vertex_groups[name], piece.values)
     else:
         attributes = obj.data.attributes
         attribute = attributes[name]

@@ -7,6 +7,9 @@ import numpy as np
 
 from .objects import Refusal
 
+# Weights below that are taken out of a vertex group.
+NOTHING = 1e-6
+
 
 def group_named(obj: bpy.types.Object, name: str) -> bpy.types.VertexGroup:
     """The vertex group of this name; raises Refusal if there is none."""
@@ -39,3 +42,14 @@ def weights_of(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> np.ndarra
     weights = np.zeros(len(obj.data.vertices))
     weights[vertices] = found
     return weights
+
+
+def set_weights(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
+    """Give all vertices their weights in a group, (V,), cut off at 0 and 1; 0 is outside."""
+    weights = np.clip(weights, 0, 1).astype(np.float32)
+    group.remove(np.flatnonzero(weights <= NOTHING).tolist())
+    inside = np.flatnonzero(weights > NOTHING)
+    values, counts = np.unique(weights[inside], return_counts=True)
+    alike = np.split(inside[np.argsort(weights[inside], kind="stable")], np.cumsum(counts)[:-1])
+    for value, vertices in zip(values.tolist(), alike, strict=False):
+        group.add(vertices.tolist(), value, "REPLACE")

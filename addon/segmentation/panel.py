@@ -4,7 +4,9 @@ import bpy
 
 from ..bands.settings import Settings
 from ..drawing.work import MeshPanel, draw_button, draw_selection
+from ..scene.results import SEGMENTS, groups_shown
 from .cosegment import METHOD, SPECTRAL_TV_OT_cosegment
+from .split_segments import SPECTRAL_TV_OT_split_segments
 
 
 class SPECTRAL_TV_PT_segment(MeshPanel, bpy.types.Panel):
@@ -19,3 +21,5 @@ class SPECTRAL_TV_PT_segment(MeshPanel, bpy.types.Panel):
         settings = Settings(method=METHOD.upper(), steps=choices.steps)
         draw_selection(layout, context, "parts", settings.needs)
         draw_button(layout, SPECTRAL_TV_OT_cosegment, "COLOR", choices)
+        if groups_shown(context.active_object, SEGMENTS):
+            layout.operator(SPECTRAL_TV_OT_split_segments.bl_idname, icon="UV_ISLANDSEL")

@@ -10,10 +10,10 @@ from ..scene.arrays import corner_vertices, polygon_starts
 from ..scene.contents import attribute_values
 from ..scene.names import free_name, taken_names
 from ..scene.notes import note
-from ..scene.results import Piece
+from ..scene.results import SEGMENTS, Piece
 
-# What results are of, and the beginning of their names; the vertex groups are numbered.
-KIND, NAME = "SEGMENTS", "Segment"
+# The beginning of the names of results; the vertex groups are numbered.
+NAME = "Segment"
 COLOR, SETS = "Color", "Face Sets"
 # Blender knows the face sets by their name, so there is one of them on a mesh.
 FACE_SETS = ".sculpt_face_set"
@@ -48,7 +48,7 @@ def write(obj: bpy.types.Object, labels: np.ndarray, segments: int, outputs: set
     def wanted(_source: str, label: str) -> tuple[str, str]:
         return NAME, label if label.isdecimal() else ""
 
-    names = results.write(obj, KIND, "", pieces, is_stale, wanted)
+    names = results.write(obj, SEGMENTS, "", pieces, is_stale, wanted)
     if "COLOR" in outputs:
         attributes = obj.data.color_attributes
         attributes.active_color = attributes[names[list(pieces).index(COLOR)]]
@@ -76,7 +76,7 @@ def _write_face_sets(obj: bpy.types.Object, labels: np.ndarray) -> None:
     if before is None:
         mesh.attributes.new(FACE_SETS, "INT", "FACE")
     pieces = {SETS: Piece("ATTRIBUTE", faces + 1, "INT", "FACE")}
-    results.write(obj, KIND, "", pieces, over={SETS: FACE_SETS})
+    results.write(obj, SEGMENTS, "", pieces, over={SETS: FACE_SETS})
 
 
 def _keep(obj: bpy.types.Object, sets: np.ndarray) -> None:

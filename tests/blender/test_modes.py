@@ -42,7 +42,7 @@ def test_dyntopo_is_refused():
     assert bpy.ops.spectral_tv.decompose(bands=3, steps=8) == {"FINISHED"}
 
 
-@pytest.mark.parametrize("name", ["decompose", "cosegment", "constraint_add"])
+@pytest.mark.parametrize("name", ["decompose", "cosegment", "constraint_add", "split_segments"])
 def test_a_mesh_in_edit_mode_as_that_of_another_object_is_refused(name):
     """Leaving Edit Mode writes that mode's own mesh over all that came meanwhile."""
     obj = ball("Ball")

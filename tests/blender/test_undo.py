@@ -20,6 +20,17 @@ def banded() -> bpy.types.Object:
     return obj
 
 
+def masked() -> None:
+    """The same with a mask, and a group that is not one."""
+    banded()
+    bpy.ops.spectral_tv.fill_mask(band=1, source="GROUP", group="Cap")
+
+
+def segmented() -> None:
+    ball("Ball")
+    bpy.ops.spectral_tv.cosegment(segments=3, steps=8)
+
+
 def twice() -> None:
     """A ball with two decompositions, both with a filter."""
     banded()
@@ -109,15 +120,19 @@ CASES = {
     "bake": (banded, {}),
     "bake_safe": (banded, {}),
     "bake_deformation": (held, {"frame_end": 3}),
+    "blur_mask": (masked, {"radius": 10}),
     "caricature": (lambda: (ball("One"), ball("Two")), {"bands": 3, "steps": 8, "last": 3}),
+    "choose_mask": (banded, {"group": "Cap"}),
     "constraint_add": (dumbbell_object, {"kind": "OBJECT"}),
     "constraint_remove": (held, {}),
     "constraint_rest": (held, {}),
     "copy_filter": (pair, {}),
+    "copy_mask": (masked, {}),
     "cosegment": (lambda: ball("Ball"), {"segments": 3, "steps": 8}),
     "cut": (banded, {"bands": 2}),
     "decompose": (lambda: ball("Ball"), SMALL),
     "deform": (held, {}),
+    "fill_mask": (banded, {"source": "GROUP", "group": "Cap"}),
     "filter": (banded, {}),
     "filter_image": (photo, {"image": "Photo", "result": "BANDS", **SMALL}),
     "flow_attribute": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
@@ -128,14 +143,19 @@ CASES = {
             "pulled": [{"name": "", "point": (0, 0, 2.468), "radius": 0.5}],
         },
     ),
+    "invert_mask": (masked, {}),
     "keyframe": (banded, {}),
     "measure_accuracy": (banded, {"bands": 2, "steps": 8}),
     "measure_thickness": (lambda: ball("Ball"), {}),
+    "own_mask": (lambda: masked() or bpy.ops.spectral_tv.choose_mask(group="Cap"), {}),
+    "paint_mask": (banded, {}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
     "remove_decomposition": (twice, {"name": "M1"}),
+    "remove_mask": (masked, {}),
     "rig_from_pose": (posed, {}),
     "select_faulty": (torn, {}),
     "solo": (banded, {"band": 2}),
+    "split_segments": (segmented, {}),
     "switch_decomposition": (twice, {"name": "M1"}),
     "take_bands": (pair, {"first": 1, "last": 2}),
     "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),
@@ -249,6 +269,10 @@ def test_a_refused_operator_leaves_nothing_and_takes_no_step():
         ("cut", {"bands": 30}),
         ("take_bands", {}),
         ("copy_filter", {}),
+        ("paint_mask", {"band": 9}),
+        ("blur_mask", {}),
+        ("fill_mask", {"source": "GROUP", "group": "Nothing"}),
+        ("split_segments", {}),
         ("flow_attribute", {"kind": "KEY", "source": "Nothing"}),
         ("measure_accuracy", {"bands": 9, "steps": 8}),
         ("cosegment", {"outputs": set()}),

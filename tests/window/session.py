@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from deform import deform
 from hold_and_pull import hold_and_pull
+from masks import masks
 from others import others
 from pictures import messages, new_monkey, panels
 from screen import (
@@ -44,6 +45,7 @@ def session() -> Steps[None]:
     yield from adjust_last_operation()
     yield from drag_a_slider()
     yield from undo_and_redo()
+    yield from masks()
     yield from panels()
     yield from deform()
     yield from hold_and_pull()

@@ -65,6 +65,7 @@ def undo_every_job() -> Steps[None]:
     precious()
     start("decompose", bands=3, steps=FEW + 2)  # so that there are bands to bake
     yield from all_ended()
+    start("fill_mask", source="GROUP", group="Cap")  # and a mask to blur
     for group, kind in (("Eye", "PIN"), ("Ear", "OBJECT")):
         bpy.context.object.vertex_groups.active = bpy.context.object.vertex_groups[group]
         start("constraint_add", kind=kind)

@@ -27,6 +27,7 @@ LONG_WORK = (
 SHORT_WORK = {
     "bake_deformation": {"frame_end": 3},
     "bake_safe": {},
+    "blur_mask": {"radius": 10},
     "caricature": {"steps": FEW + 1},  # another flow than that of decompose
     "cosegment": {"steps": FEW},
     "decompose": {"steps": FEW},
