@@ -15,7 +15,9 @@ from . import (
     live_guard,
     multires_panel,
     properties,
+    sculpt_undo,
     set_bands,
+    sliders,
     spectrum,
     take_bands,
     verb,
@@ -28,6 +30,7 @@ FILES = (
     decompose,
     limbs,
     set_bands,
+    sliders,
     take_bands,
     apply_look,
     apply_modifier,
@@ -43,4 +46,6 @@ FILES = (
     caricature,
 )
 VERBS = (verb.Decompose,)
-FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget)
+START = (sculpt_undo.start,)
+WITHDRAW = (sculpt_undo.stop,)
+FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget, sculpt_undo.forget)

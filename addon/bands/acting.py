@@ -36,7 +36,7 @@ class State:
         return "HIDE_OFF" if self.acting else "HIDE_ON" if self else "BLANK1"
 
     def told(self) -> str:
-        """Say it, such as ``acts: M1 Band 1 −1``."""
+        """Say it, such as ``acts: Skin Band 1 −1``."""
         if self.acting:
             values = (f"{key.name} {key.value:.2g}".replace("-", "−") for key in self.acting)
             return f"acts: {listed(values)}"
