@@ -57,8 +57,15 @@ class FileOperator(Refusing):
 
     bl_options = {"REGISTER"}
 
-    filepath: StringProperty(name="File", subtype="FILE_PATH", options={"SKIP_SAVE"})
-    filter_glob: StringProperty(default=f"*{own.EXTENSION}", options={"HIDDEN", "SKIP_SAVE"})
+    filepath: StringProperty(
+        name="File", description="Of the recipe", subtype="FILE_PATH", options={"SKIP_SAVE"}
+    )
+    filter_glob: StringProperty(
+        name="Shown Files",
+        description="Which files are shown",
+        default=f"*{own.EXTENSION}",
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         context.window_manager.fileselect_add(self)

@@ -29,7 +29,7 @@ RECIPES = (
         "Flatten Plates",
         "Flatten what lies on plates, muscles and folds; their outlines stay crisp",
         Settings("M3"),
-        (-1.0, -1.0, -0.9, -0.4, 0.0),
+        (-1.0, -0.9, -0.6, -0.2, 0.0),
         icon="MOD_BEVEL",
     ),
     Recipe(

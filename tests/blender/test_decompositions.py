@@ -65,6 +65,7 @@ def obj():
     """A bumpy ball with three bands of Shape Detail."""
     made = bumpy_ball()
     decompose(bands=3)
+    bpy.ops.spectral_tv.widen_sliders()
     return made
 
 

@@ -19,13 +19,14 @@ EXAMPLES = {
 # What an example leaves behind.
 FILES = {
     "README.md-1": ["monkey.blend"],
-    "scripting.md-1": ["smooth.blend"],
-    "scripting.md-2": ["safe.blend"],
-    "scripting.md-5": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
-    "scripting.md-7": ["ear.blend"],
-    "scripting.md-8": ["mask.blend", "mask.csv"],
-    "scripting.md-9": ["smooth.png"],
-    "scripting.md-18": ["splits.pickle"],
+    "scripting.md-1": ["stylize.json", "stylized.blend"],
+    "scripting.md-2": ["smooth.blend"],
+    "scripting.md-3": ["safe.blend"],
+    "scripting.md-6": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+    "scripting.md-8": ["ear.blend"],
+    "scripting.md-9": ["mask.blend", "mask.csv"],
+    "scripting.md-10": ["smooth.png"],
+    "scripting.md-19": ["splits.pickle"],
 }
 
 

@@ -40,7 +40,7 @@ def banded(obj: bpy.types.Object) -> bpy.types.Object:
 def turn(obj: bpy.types.Object, **values: float) -> None:
     """Set sliders: wild ones where none is named."""
     for name, value in (values or WILD).items():
-        key(obj, name).slider_max = 10
+        key(obj, name).slider_min, key(obj, name).slider_max = -10, 10
         key(obj, name).value = value
     bpy.context.view_layer.update()
 
@@ -226,9 +226,7 @@ def test_of_a_face_of_several_triangles_one_face_is_counted(sheet):
         key(sheet, name).value = 0
     bpy.ops.spectral_tv.decompose(bands=3, steps=12, **SCALES)
     bands = sheet.data.shape_keys.key_blocks[1:]
-    for band in bands:
-        band.value = 10
-    bpy.context.view_layer.update()
+    turn(sheet, **{band.name: 10.0 for band in bands})
     counts = live_guard.line(bpy.context).text.split()
     assert 0 < int(counts[0]) <= quads
     mix = sum(10 * moved(sheet, band.name) for band in bands)
@@ -359,8 +357,7 @@ def test_what_does_not_fold_is_baked_as_it_is(sheet, capfd):
 
 
 def test_what_is_taken_away_is_not_clamped(sheet, capfd):
-    for name in WILD:
-        key(sheet, name).value = -10
+    turn(sheet, **dict.fromkeys(WILD, -10.0))
     key(sheet, "Shape Detail Band 1").mute = True
     bpy.ops.spectral_tv.bake_safe()
     mix = sum(-10 * moved(sheet, name) for name in WILD)
@@ -446,7 +443,7 @@ def test_objects_that_meet_stay_joined():
     bpy.ops.spectral_tv.decompose(bands=3, steps=12, together=True, **SCALES)
     halves = [bpy.data.objects[name] for name in ("Left", "Right")]
     for obj in halves:
-        key(obj, "Shape Detail Band 3").value = 9
+        turn(obj, **{"Shape Detail Band 3": 9.0})
     assert bpy.ops.spectral_tv.bake_safe(together=True) == {"FINISHED"}
     seams = []
     for obj in halves:

@@ -40,6 +40,7 @@ def banded():
     """A bumpy ball with six bands, of two components each."""
     obj = bumpy_ball()
     bpy.ops.spectral_tv.decompose(bands=6, steps=STEPS)
+    bpy.ops.spectral_tv.widen_sliders()
     return obj
 
 
