@@ -30,9 +30,9 @@ from . import (
 )
 from .drawing import preferences
 
-# What others build on comes first.
+# What others build on comes first, and of the panels those of the recipes.
 _PARTS: tuple[ModuleType, ...] = (
-    scene, drawing, job, bands, recipes, deformation, segmentation, attributes, images
+    scene, drawing, job, recipes, bands, deformation, segmentation, attributes, images
 )  # fmt: skip
 _KINDS = Operator | Panel | Menu | PropertyGroup | UIList | AddonPreferences
 

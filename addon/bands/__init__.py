@@ -46,6 +46,6 @@ FILES = (
     caricature,
 )
 VERBS = (verb.Decompose,)
-START = (sculpt_undo.start,)
+START = LOADED = (sculpt_undo.start,)
 WITHDRAW = (sculpt_undo.stop,)
 FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget, sculpt_undo.forget)

@@ -38,8 +38,8 @@ class SPECTRAL_TV_UL_decompositions(bpy.types.UIList):
         right.alignment = "RIGHT"
         label = METHODS[item.method].label if item.method in METHODS else item.method
         count = len(item.bands)
-        # Most are called by their method.
-        is_told = item.name.startswith(label)
+        # Most are called by their method, or by a recipe that says more.
+        is_told = item.name.startswith(label) or item.recipe
         right.label(text=f"{count} bands" if is_told else f"{label} · {count}")
 
 

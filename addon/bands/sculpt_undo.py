@@ -23,7 +23,7 @@ class _Watch:
 
 
 def start() -> None:
-    """Begin to watch."""
+    """Begin to watch; loading a file ends it."""
     listening.listen(_handlers())
 
 

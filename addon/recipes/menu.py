@@ -1,4 +1,4 @@
-"""The recipes in the menu Object, where F3 finds them, and the menu of one's own."""
+"""The recipes in the menus Object and Sculpt, where F3 finds them, and the menu of one's own."""
 
 import bpy
 
@@ -10,6 +10,9 @@ from .own_operators import (
     SPECTRAL_TV_OT_recipe_preset,
 )
 from .recipes import RECIPES
+
+# Blender's menus that have that of the recipes.
+MENUS = ("VIEW3D_MT_object", "VIEW3D_MT_sculpt")
 
 
 class SPECTRAL_TV_MT_recipes(bpy.types.Menu):
@@ -34,6 +37,9 @@ class SPECTRAL_TV_MT_own_recipes(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context) -> None:
         """Draw Blender's menu of presets, of files that are data alone."""
+        self.layout.operator(SPECTRAL_TV_OT_recipe_import.bl_idname, icon="IMPORT")
+        self.layout.operator(SPECTRAL_TV_OT_recipe_export.bl_idname, icon="EXPORT")
+        self.layout.separator()
         names = {str(path): recipe.name for path, recipe in own.own()}
         self.path_menu(
             bpy.utils.preset_paths(own.FOLDER),
@@ -44,9 +50,6 @@ class SPECTRAL_TV_MT_own_recipes(bpy.types.Menu):
             display_name=lambda path: names.get(path, bpy.path.display_name(path)),
             add_operator=SPECTRAL_TV_OT_recipe_preset.bl_idname,
         )
-        self.layout.separator()
-        self.layout.operator(SPECTRAL_TV_OT_recipe_import.bl_idname, icon="IMPORT")
-        self.layout.operator(SPECTRAL_TV_OT_recipe_export.bl_idname, icon="EXPORT")
 
 
 def button(layout: bpy.types.UILayout, name: str, icon: str, strength: float | None = None) -> None:
@@ -58,12 +61,14 @@ def button(layout: bpy.types.UILayout, name: str, icon: str, strength: float | N
 
 def add() -> None:
     """Show the menu."""
-    bpy.types.VIEW3D_MT_object.append(_draw)
+    for name in MENUS:
+        getattr(bpy.types, name).append(_draw)
 
 
 def remove() -> None:
     """Show it no more."""
-    bpy.types.VIEW3D_MT_object.remove(_draw)
+    for name in MENUS:
+        getattr(bpy.types, name).remove(_draw)
 
 
 def _draw(self: bpy.types.Menu, _context: bpy.types.Context) -> None:

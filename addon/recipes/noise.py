@@ -14,8 +14,8 @@ TAKEN = 0.9
 # What is taken and does not vanish in the mean around a vertex is shape. Relative to the noise:
 # below the first the mean is due to chance, beyond the second none is.
 CHANCE, SHAPE = 0.3, 0.7
-# Such a part of all vertices is away from edges even on machines. Of normal values of size 1 that part
-# is below the second.
+# Such a part of all vertices is away from edges even on machines. Of normal values of size 1 that
+# part is below the second.
 SMALLEST, SMALL = 0.25, 0.31864
 # The smallest and the largest features of the bands, relative to the edge length.
 FINEST, LARGEST = 0.4, 4.0

@@ -13,7 +13,6 @@ class SPECTRAL_TV_PT_recipes(WorkPanel, bpy.types.Panel):
     """A look in one step"""
 
     bl_label = "Recipes"
-    bl_order = -1
     is_split = False
 
     def draw_header_preset(self, _context: bpy.types.Context) -> None:

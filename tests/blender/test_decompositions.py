@@ -106,9 +106,9 @@ def test_another_method_is_added_and_each_is_set_by_itself(both, keys):
 def test_what_acts_unseen_is_told(both, keys):
     assert states(both) == {}
     keys["Shape Detail Band 2"].value = -1
-    assert states(both) == {"Shape Detail": "acts: Shape Detail Band 2 −1"}
+    assert states(both) == {"Shape Detail": "acts: Band 2 −1"}
     keys["Shape Detail Band 2"].mute = True
-    assert states(both) == {"Shape Detail": "is muted: Shape Detail Band 2"}
+    assert states(both) == {"Shape Detail": "is muted: Band 2"}
     keys["Shape Detail Band 2"].mute, keys["Shape Detail Band 2"].value = False, 0
     assert states(both) == {}
     switch("Shape Detail")

@@ -314,9 +314,10 @@ def test_what_a_later_version_adds_is_told_and_left_out(tmp_path, capfd):
     assert own.find("Theirs").settings.steps == 8
 
 
-def test_the_menu_object_has_the_recipes():
+def test_the_menus_of_both_modes_have_the_recipes():
     menu = import_module(f"{MODULE}.recipes.menu")
-    assert menu._draw in bpy.types.VIEW3D_MT_object.draw._draw_funcs
+    for cls in (bpy.types.VIEW3D_MT_object, bpy.types.VIEW3D_MT_sculpt):
+        assert menu._draw in cls.draw._draw_funcs
     assert bpy.types.SPECTRAL_TV_MT_recipes.bl_label == "Spectral TV"
 
 

@@ -52,6 +52,12 @@ def test_a_slider_at_rest_is_a_step_of_its_own(sculpted):
     assert keys() == []
 
 
+def test_it_watches_in_files_that_are_loaded():
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.context.scene.cycles.use_denoising = False
+    assert bpy.app.handlers.depsgraph_update_post.count(sculpt_undo._notice) == 1
+
+
 def test_nothing_else_makes_a_step(sculpted):
     assert not sculpt_undo.make_step()
     turn(1, 0.5)
