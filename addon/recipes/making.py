@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -124,7 +125,8 @@ class Making:
         check_replaced(objects, self.settings, self.replaced)
         pairs = zip(objects, self.surfaces, strict=True)
         parts = [Part(*pair, self.arguments, made.split) for pair in pairs]
-        done = add_bands(parts, self.settings, self.recipe.name)
+        with self._unmasked(objects):
+            done = add_bands(parts, self.settings, self.recipe.name)
         for obj, surface in zip(objects, self.surfaces, strict=True):
             record_of(obj).recipe = self.recipe.name
             self._mask(obj, surface, made)
@@ -179,13 +181,35 @@ class Making:
             split, values, mask, f"{told}; {kept:.2g} % of the surface kept as edges", notes
         )
 
-    def _mask(self, obj: bpy.types.Object, surface: Surface, made: Made) -> None:
-        """Have the bands that act take part as far as they may, by a vertex group."""
-        mine = {
+    @contextmanager
+    def _unmasked(self, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
+        """Have new bands take over no mask that is made anew; all is as before if that fails."""
+        masked = []
+        for obj, name in zip(objects, self.former, strict=True):
+            mine = self._masks(obj)
+            bands = filter(None, bands_of(obj)) if name else ()
+            masked += [(band, band.vertex_group) for band in bands if band.vertex_group in mine]
+        for band, _ in masked:
+            band.vertex_group = ""
+        try:
+            yield
+        except BaseException:
+            for band, group in masked:
+                band.vertex_group = group
+            raise
+
+    def _masks(self, obj: bpy.types.Object) -> set[str]:
+        """The masks that the recipe wrote and nobody changed, as they are called today."""
+        results_of = obj.data.spectral_tv.results
+        return {
             name
             for place, name in results.known(obj, "GROUP").items()
-            if _is_mask(obj.data.spectral_tv.results[place], self.recipe)
+            if (results_of[place].kind, results_of[place].source) == (KIND, self.recipe.name)
         }
+
+    def _mask(self, obj: bpy.types.Object, surface: Surface, made: Made) -> None:
+        """Have the bands that act take part as far as they may, by a vertex group."""
+        mine = self._masks(obj)
         bands = [band for band in bands_of(obj) if band is not None]
         free = [band for band in bands if band.vertex_group in ("", *mine)]
         pieces = {}
@@ -200,10 +224,6 @@ class Making:
         names = results.write(obj, KIND, self.recipe.name, pieces, lambda label: label == MASK)
         for band in free:
             band.vertex_group = names[0] if names else ""
-
-
-def _is_mask(result: results.SpectralTVResult, recipe: Recipe) -> bool:
-    return (result.kind, result.source) == (KIND, recipe.name)
 
 
 def _former(obj: bpy.types.Object, recipe: Recipe) -> SpectralTVRecord | None:

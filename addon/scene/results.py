@@ -203,8 +203,11 @@ def _fill(obj: bpy.types.Object, piece: Piece, name: str) -> None:
     elif piece.written == "GROUP":
         group, weights = obj.vertex_groups[name], np.clip(piece.values, 0, 1)
         group.remove(np.flatnonzero(weights <= NOTHING).tolist())
-        for vertex in np.flatnonzero(weights > NOTHING).tolist():
-            group.add([vertex], float(weights[vertex]), "REPLACE")
+        # Those of the same weight at once, as each call takes time.
+        order = np.argsort(weights, kind="stable")
+        for alike in np.split(order, np.flatnonzero(np.diff(weights[order])) + 1):
+            if weights[alike[0]] > NOTHING:
+                group.add(alike.tolist(), float(weights[alike[0]]), "REPLACE")
     else:
         attributes = obj.data.attributes
         attribute = attributes[name]

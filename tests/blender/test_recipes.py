@@ -120,9 +120,12 @@ def test_what_is_added_folds_nothing_at_that_strength_and_below():
     assert counts(obj)
 
 
-def test_the_mask_goes_once_it_is_not_needed_and_one_of_the_user_stays():
+def test_the_mask_goes_once_it_is_not_needed_and_one_of_the_user_stays(capfd):
     obj = spiky()
     make("Exaggerate Skin", 2.0)
+    make("Exaggerate Skin", 1.9)
+    assert [group.name for group in obj.vertex_groups] == ["Exaggerate Skin Mask"]
+    assert "Warning" not in capfd.readouterr().out
     make("Exaggerate Skin", 0.1)
     assert not obj.vertex_groups and {band.vertex_group for band in records.bands_of(obj)} == {""}
     obj.vertex_groups.new(name="Mine").add([0, 1, 2], 1, "REPLACE")
