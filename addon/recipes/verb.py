@@ -24,7 +24,7 @@ class Recipe(Verb):
 
     name = "recipe"
     summary = "give meshes a look in one step"
-    result = "looks"
+    does, result = "change", "changed"
     description = f"""\
 Decompose the meshes of files and set their bands in one step, by a strength, and write them.
 
