@@ -104,6 +104,7 @@ pictures: $(EXTENSION_STAMP)
 	  docs/pictures/deformations.png
 	$(BIN)/python -m tools.demo.comparisons .build/pictures/creature.blend \
 	  docs/pictures/comparisons.png
+	$(BIN)/python -m tools.demo.recipes .build/pictures/creature.blend docs/pictures/recipes.png
 	$(BIN)/python -m tools.gallery.pose_film docs/pictures/posing.webp
 
 # Figures of the paper; FIGURES="clouds bands" makes some, MESHES=folder those of its meshes too.

@@ -14,14 +14,27 @@ from types import ModuleType
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.types import Menu, Operator, Panel, PropertyGroup, UIList
+from bpy.types import AddonPreferences, Menu, Operator, Panel, PropertyGroup, UIList
 
-from . import attributes, bands, command_line, deformation, images, job, scene, segmentation
+from . import (
+    attributes,
+    bands,
+    command_line,
+    deformation,
+    drawing,
+    images,
+    job,
+    recipes,
+    scene,
+    segmentation,
+)
+from .drawing import preferences
 
-# What others build on comes first.
+# What others build on comes first, and of the panels those of the recipes.
 _PARTS: tuple[ModuleType, ...] = (
-    scene, job, bands, deformation, segmentation, attributes, images
+    scene, drawing, job, recipes, bands, deformation, segmentation, attributes, images
 )  # fmt: skip
+_KINDS = Operator | Panel | Menu | PropertyGroup | UIList | AddonPreferences
 
 
 def _all(name: str) -> list:
@@ -33,7 +46,7 @@ def _classes() -> Iterator[type]:
     for file in _all("FILES"):
         for each in vars(file).values():
             is_own = isinstance(each, type) and each.__module__ == file.__name__
-            if is_own and issubclass(each, Menu | Operator | Panel | PropertyGroup | UIList):
+            if is_own and issubclass(each, _KINDS):
                 yield each
 
 
@@ -55,10 +68,28 @@ def _loading_handlers() -> list[list]:
     return [getattr(bpy.app.handlers, name) for name in names if hasattr(bpy.app.handlers, name)]
 
 
+def _panels() -> list[type[Panel]]:
+    return [cls for cls in _classes() if issubclass(cls, Panel)]
+
+
+def _move_panels() -> None:
+    """Have the panels be in the tab of the preferences."""
+    for cls in reversed(_panels()):
+        bpy.utils.unregister_class(cls)
+    for cls in _panels():
+        _register(cls)
+
+
+def _register(cls: type) -> None:
+    if issubclass(cls, Panel):
+        cls.bl_category = preferences.tab()
+    bpy.utils.register_class(cls)
+
+
 def register() -> None:
     """Register all of it, and listen for files being loaded."""
     for cls in _classes():
-        bpy.utils.register_class(cls)
+        _register(cls)
         if hasattr(cls, "owner"):
             owner, name, *override = cls.owner
             setattr(owner, name, bpy.props.PointerProperty(type=cls, override=set(override)))
@@ -68,6 +99,7 @@ def register() -> None:
     if hasattr(bpy.data, "objects"):  # not yet while Blender starts
         _loaded()
     command_line.register(_all("VERBS"))
+    preferences.RENAMED.append(_move_panels)
     for start in _all("START"):
         start()
 
@@ -75,6 +107,7 @@ def register() -> None:
 def unregister() -> None:
     """End what still runs, and withdraw all; files keep what they hold."""
     command_line.unregister()
+    preferences.RENAMED.remove(_move_panels)
     bpy.app.handlers.load_pre.remove(_forget)
     for handlers in _loading_handlers():
         handlers.remove(_loaded)

@@ -10,15 +10,16 @@ ROOT = Path(__file__).resolve().parent.parent
 # Left and right edge of the sidebar in the session's window; upper and lower edges of the panels.
 LEFT, RIGHT = 774, 1030
 PICTURES = {
-    "panel_decompose": ("1_tab", 84, 328),
-    "panel_progress": ("2_progress", 84, 328),
-    "panel_scales": ("panel_base_limbs", 84, 497),
-    "panel_bands": ("4_bands", 381, 920),
-    "panel_filters": ("4_bands", 920, 1107),
-    "panel_curve": ("panel_curve", 1277, 1591),
-    "panel_deform": ("panel_deform", 389, 889),
-    "panel_attributes": ("panel_attributes", 945, 1216),
-    "panel_values": ("panel_values", 1216, 1455),
+    "panel_recipes": ("1_tab", 84, 221),
+    "panel_decompose": ("1_tab", 221, 465),
+    "panel_progress": ("2_progress", 221, 465),
+    "panel_scales": ("panel_base_limbs", 221, 634),
+    "panel_bands": ("4_bands", 518, 1078),
+    "panel_filters": ("4_bands", 1078, 1265),
+    "panel_curve": ("panel_curve", 1435, 1749),
+    "panel_deform": ("panel_deform", 526, 1026),
+    "panel_attributes": ("panel_attributes", 1082, 1353),
+    "panel_values": ("panel_values", 1353, 1592),
 }
 
 

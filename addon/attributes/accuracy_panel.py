@@ -7,6 +7,7 @@ import bpy
 from ..bands.bands import settings_as_taken
 from ..bands.bands_panel import BandsPanel
 from ..bands.methods import METHODS
+from ..drawing.preferences import shows_research
 from ..drawing.work import WorkPanel, draw_button, draw_needs
 from ..scene.records import record_of
 from . import accuracy
@@ -21,7 +22,11 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         obj = context.active_object
-        return super().poll(context) and METHODS[record_of(obj).method].takes_steps
+        return (
+            shows_research()
+            and super().poll(context)
+            and METHODS[record_of(obj).method].takes_steps
+        )
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object

@@ -72,7 +72,7 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
 
     def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Accuracy) -> str:
         surface, _ = prepared
-        names = accuracy.write(obj, METHODS[self.method].key_label, surface, result, self.shown)
+        names = accuracy.write(obj, METHODS[self.method].label, surface, result, self.shown)
         rows = accuracy.summary(obj.data.spectral_tv.accuracy.as_string())[1:]
         parts = [
             f"{steps} steps: bands {bands}, paper's all-pass {paper}"

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
 from ..drawing.work import MeshPanel, draw_button, draw_needs
 from ..job.estimates import of_values
@@ -36,6 +37,10 @@ class AttributesPart(Sidebar):
 
     bl_parent_id = "SPECTRAL_TV_PT_attributes"
     bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        return shows_research()
 
 
 class SPECTRAL_TV_PT_values(AttributesPart, bpy.types.Panel):

@@ -19,7 +19,9 @@ from . import (
     multires_panel,
     paint_mask,
     properties,
+    sculpt_undo,
     set_bands,
+    sliders,
     spectrum,
     take_bands,
     verb,
@@ -32,6 +34,7 @@ FILES = (
     decompose,
     limbs,
     set_bands,
+    sliders,
     take_bands,
     apply_look,
     apply_modifier,
@@ -51,4 +54,6 @@ FILES = (
     caricature,
 )
 VERBS = (verb.Decompose,)
-FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget)
+START = LOADED = (sculpt_undo.start,)
+WITHDRAW = (sculpt_undo.stop,)
+FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget, sculpt_undo.forget)

@@ -46,14 +46,15 @@ class Part:
     split: spectral_tv.Decomposition
 
 
-def add_bands(parts: Sequence[Part], settings: Settings) -> str:
+def add_bands(parts: Sequence[Part], settings: Settings, name: str = "") -> str:
     """Write decompositions as bands, all or none, and remember them; returns what was done.
 
-    They take the place of active decompositions, or are added; see :func:`replaced`.
+    They take the place of active decompositions, or are added; see :func:`replaced`. Those that are
+    added have the ``name``, or that of their method if there is none.
     """
     forget_stale()
     with whole(*(part.obj for part in parts)):
-        pending = [_Pending.of(part, settings) for part in parts]
+        pending = [_Pending.of(part, settings, name) for part in parts]
     for each in pending:
         with about(each.part.obj.name) if len(parts) > 1 else nullcontext():
             each.settle()
@@ -61,10 +62,10 @@ def add_bands(parts: Sequence[Part], settings: Settings) -> str:
     bands = "1 band" if count == 1 else f"{count} bands"
     former = dict.fromkeys(each.former for each in pending)
     if None in former:
-        return f"{bands} of {settings.by.key_label} added"
+        return f"{bands} of {settings.by.label} added"
     names = listed(repr(name) for name in former)
     verb = "takes" if count == 1 else "take"
-    return f"{bands} of {settings.by.key_label} {verb} the place of those of {names}"
+    return f"{bands} of {settings.by.label} {verb} the place of those of {names}"
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class _Pending:
     new: list[Band]
 
     @classmethod
-    def of(cls, part: Part, settings: Settings) -> "_Pending":
+    def of(cls, part: Part, settings: Settings, name: str) -> "_Pending":
         """Add the keys."""
         adopt(part.obj.data)
         record = replaced(part.obj, settings)
@@ -91,7 +92,8 @@ class _Pending:
         flow = Flow(part.split, part.surface, source_of(part.surface, part.arguments))
         if record is None:
             _note_kept(part.obj, settings)
-            former, stem = None, free_stem(part.obj, _usual_names(settings), len(edges) - 1)
+            wanted = [name] if name else _usual_names(settings)
+            former, stem = None, free_stem(part.obj, wanted, len(edges) - 1)
         else:
             former = stem = record.name
         keeping = PLACES[USUAL if record is None else record.kept]
@@ -180,7 +182,7 @@ def _note_kept(obj: bpy.types.Object, settings: Settings) -> None:
 
 def _usual_names(settings: Settings) -> list[str]:
     """What a decomposition is called, if nobody else is."""
-    label, mask = settings.by.key_label, settings.vertex_group
+    label, mask = settings.by.label, settings.vertex_group
     return [label, f"{label} {mask}"] if mask else [label]
 
 

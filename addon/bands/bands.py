@@ -25,7 +25,7 @@ from ..scene.records import (
     records_of,
     topology_changed,
 )
-from ..scene.shape_keys import key_shape
+from ..scene.shape_keys import key_shape, make_room
 from ..scene.surface import Surface, flattened, shape_of
 from ..scene.weights import group_named
 from .settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
@@ -160,6 +160,7 @@ def set_values(
     _note_unseen(obj, [key for key, value in pairs if value != key.value])
     cut = []
     for key, value in pairs:
+        make_room(key, value)
         key.value = min(max(value, key.slider_min), key.slider_max)
         if abs(key.value - value) > VISIBLE:
             cut.append(key.name)

@@ -4,10 +4,11 @@ import math
 
 import bpy
 
+from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
-from . import filter_curve, list_panel, live_guard, mask_menu, spectrum
+from . import filter_curve, list_panel, live_guard, mask_menu, sliders, spectrum
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
@@ -50,13 +51,14 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             return
         self._draw_spectrum(layout, record, context.scene.unit_settings)
         column = layout.column(align=True)
+        sliders.draw_scale(column, bands_shown(obj), icons=4)
         for number, key in enumerate(bands_shown(obj), start=1):
             row = column.row(align=True)
             row.label(text="", icon_value=spectrum.swatch(number - 1, len(record.bands)))
             if key is None:
                 row.label(text=f"Band {number} was deleted")
                 continue
-            row.prop(key, "value", text=key.name, slider=True)
+            row.prop(key, "value", text=key.name.removeprefix(f"{record.name} "), slider=True)
             mask_menu.draw(row, obj, key, number)
             row.prop(key, "mute", text="", icon="HIDE_ON" if key.mute else "HIDE_OFF")
             icon = "SOLO_ON" if number == record.solo else "SOLO_OFF"
@@ -97,6 +99,12 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
     def _draw_spectrum(
         layout: bpy.types.UILayout, record: SpectralTVRecord, units: bpy.types.UnitSettings
     ) -> None:
+        if not shows_research():
+            ends = record.kept_spectrum[0, 0], record.bands[-1].end
+            layout.label(
+                text=" to ".join(_length(end, units) for end in ends), icon="ARROW_LEFTRIGHT"
+            )
+            return
         row = layout.split(factor=0.66)
         row.template_icon(spectrum.icon(record), scale=7.6)
         column = row.column(align=True)

@@ -140,7 +140,8 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
         for obj in there:
             with about(obj.name):
                 set_values(obj, values)
-        done = f"{self.bands} bands of {self.method} exaggerated alike in {len(there)} meshes"
+        label = METHODS[self.method].label
+        done = f"{self.bands} bands of {label} exaggerated alike in {len(there)} meshes"
         if any(former):
             done += ", in the place of their former bands"
         return done + skipped

@@ -126,7 +126,10 @@ class Clamping:
         keys = []
         with whole(*objects):
             for obj, mixed, surface in zip(objects, self.mixes, self.surfaces, strict=True):
-                safe = mixed.taken + _least(surface, result.shares)[:, np.newaxis] * mixed.added
+                safe = (
+                    mixed.taken
+                    + least_of_copies(surface, result.shares)[:, np.newaxis] * mixed.added
+                )
                 keys += add_displacements(obj, [NAME], [safe])
                 # Beyond 1 it would fold.
                 keys[-1].slider_min, keys[-1].slider_max = 0.0, 1.0
@@ -161,7 +164,7 @@ class Clamping:
             )
 
 
-def _least(surface: Surface, shares: np.ndarray) -> np.ndarray:
+def least_of_copies(surface: Surface, shares: np.ndarray) -> np.ndarray:
     """The share of each vertex of the object, (V,): the least of its copies'."""
     places = surface.copies.places
     return np.where(places >= 0, shares[places], 1.0).min(axis=0)

@@ -36,8 +36,11 @@ class SPECTRAL_TV_UL_decompositions(bpy.types.UIList):
         row.prop(item, "name", text="", emboss=False, icon=icon)
         right = row.row()
         right.alignment = "RIGHT"
-        label = METHODS[item.method].key_label if item.method in METHODS else item.method
-        right.label(text=f"{label} · {len(item.bands)}")
+        label = METHODS[item.method].label if item.method in METHODS else item.method
+        count = len(item.bands)
+        # Most are called by their method, or by a recipe that says more.
+        is_told = item.name.startswith(label) or item.recipe
+        right.label(text=f"{count} bands" if is_told else f"{label} · {count}")
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

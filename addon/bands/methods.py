@@ -47,11 +47,6 @@ class Method:
         """As one of a menu."""
         return self.name, self.label, self.text
 
-    @property
-    def key_label(self) -> str:
-        """What the names of its bands begin with."""
-        return self.name if len(self.name) == 2 else self.name.replace("_", " ").title()
-
 
 OF_THE_PAPER = (
     Method("M1", "Shape Detail",

@@ -17,7 +17,7 @@ from ..scene.animation import curves_of
 from ..scene.channels import drivers_of
 from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
-from . import finish_obj, finish_ply
+from . import finish_obj, finish_ply, ply_names
 from .contents import armatures, is_animated
 from .copies import dressed
 from .digits import Digits, decimals_of
@@ -164,6 +164,7 @@ def _export_ply(place: Path, export: Export) -> None:
     with export.dressed():
         with rendered_as_shown():  # Blender 5.2 writes what is rendered
             export.call(place)
+        ply_names.mend(place)
         check(place)
         finish_ply.finish(place, source.digits, look, len(export.meshes) == 1)
 

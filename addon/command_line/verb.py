@@ -168,7 +168,8 @@ class Verb(Command):
     ``read``, and the names of the objects that were treated, those together that were one.
     """
 
-    # What objects are called that were treated.
+    # What is done to objects, if its name does not say it, and what they are then.
+    does = ""
     result: str
     source: Path
     file: Path | None
@@ -183,7 +184,7 @@ class Verb(Command):
     @classmethod
     def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
         """Declare what it takes; a subclass adds its own."""
-        add_arguments(parser, cls.name, cls.result)
+        add_arguments(parser, cls.does or cls.name, cls.result)
 
     def complaint(self) -> str | None:
         """What is wrong with the arguments together; a subclass looks at its own."""

@@ -1,1 +1,5 @@
-"""Drawing that panels share."""
+"""Drawing that panels share, and the preferences that it goes by."""
+
+from . import preferences
+
+FILES = (preferences,)

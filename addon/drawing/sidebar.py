@@ -9,7 +9,7 @@ TAKEN, CHARACTER = 75, 6.5
 
 
 class Sidebar:
-    """The tab in the 3D view's sidebar."""
+    """The tab in the 3D view's sidebar; the preferences may name another one."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"

@@ -61,6 +61,7 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     mark: StringProperty(name="Mark", description="Of where the bands are; of old the identifier")
     kept: StringProperty(name="Kept", description="Where the bands are", default=USUAL)
     method: StringProperty(name="Method")
+    recipe: StringProperty(name="Recipe", description="By which it was made, if by one")
     settings: StringProperty(name="Settings", description="What it was decomposed by, as JSON")
     area: FloatProperty(name="Area", description="Of the surface in world space, length²")
     scale: FloatProperty(

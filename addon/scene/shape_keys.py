@@ -1,5 +1,6 @@
 """Shape keys as displacements: read, written, and removed without moving keys relative to them."""
 
+import math
 from collections.abc import Iterable, Sequence
 
 import bpy
@@ -13,6 +14,8 @@ from .objects import Refusal
 from .whole import whole
 
 # −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.
+USUAL_RANGE = (-1.0, 2.0)
+# Blender allows no more.
 SLIDER_RANGE = (-10.0, 10.0)
 
 
@@ -63,6 +66,14 @@ def set_displacement(
     _set_coordinates(key, after)
     _shift_relatives(key, after - before)
     obj.data.update_tag()
+
+
+def make_room(key: bpy.types.ShapeKey, value: float) -> None:
+    """Widen the slider of a key for a value, unless somebody has drawn its end in."""
+    if value < key.slider_min <= USUAL_RANGE[0]:
+        key.slider_min = max(math.floor(value), SLIDER_RANGE[0])
+    if value > key.slider_max >= USUAL_RANGE[1]:
+        key.slider_max = min(math.ceil(value), SLIDER_RANGE[1])
 
 
 def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
@@ -116,7 +127,7 @@ def _add_key(obj: bpy.types.Object, name: str, coordinates: np.ndarray) -> bpy.t
     name = free_name(name, "", taken_names(obj, "KEY"))
     key = obj.shape_key_add(name=name, from_mix=False)
     key.relative_key = obj.data.shape_keys.reference_key
-    key.slider_min, key.slider_max = SLIDER_RANGE
+    key.slider_min, key.slider_max = USUAL_RANGE
     key.value = 0.0
     _set_coordinates(key, coordinates)
     return key

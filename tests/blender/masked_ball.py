@@ -8,7 +8,7 @@ import numpy as np
 from deform_scene import coordinates
 
 SMALL = {"bands": 3, "steps": 8}
-BANDS = [f"M1 Band {band}" for band in (1, 2, 3)]
+BANDS = [f"Shape Detail Band {band}" for band in (1, 2, 3)]
 MASKS = [f"{name} Mask" for name in BANDS]
 
 

@@ -14,10 +14,10 @@ from ball import object_of, saved_and_loaded
 from shapes import grid
 
 SCALARS = [
-    "M1 Error of Bands",
-    "M1 All-Pass Error",
-    "M1 Paper's Error of Bands",
-    "M1 Paper's All-Pass Error",
+    "Shape Detail Error of Bands",
+    "Shape Detail All-Pass Error",
+    "Shape Detail Paper's Error of Bands",
+    "Shape Detail Paper's All-Pass Error",
 ]
 
 
@@ -29,7 +29,7 @@ def values(obj, name) -> np.ndarray:
 
 
 def colors(obj) -> np.ndarray:
-    data = obj.data.attributes["M1 Error Color"].data
+    data = obj.data.attributes["Shape Detail Error Color"].data
     flat = np.empty(4 * len(data), dtype=np.float32)
     data.foreach_get("color", flat)
     return flat.reshape(-1, 4)
@@ -57,7 +57,7 @@ def test_attributes_are_what_the_package_measures(sphere):
     assert result == {"FINISHED"}
     found = measured(sphere, [4, 8, 16], 3)
     new = [attribute.name for attribute in sphere.data.attributes if attribute.name not in before]
-    assert new == [*SCALARS, "M1 Error Color"]
+    assert new == [*SCALARS, "Shape Detail Error Color"]
     tables = found.bands, found.all_pass, found.paper_bands, found.paper_all_pass
     for name, table in zip(SCALARS, tables, strict=True):
         np.testing.assert_allclose(values(sphere, name), table[-1], atol=1e-7)
@@ -77,7 +77,7 @@ def test_again_replaces_what_was_written_and_shows_another_error(sphere):
     assert [attribute.name for attribute in sphere.data.attributes] == names
     assert sphere.data.spectral_tv.accuracy == text
     assert text.as_string().splitlines()[-1].startswith("12,")
-    assert sphere.data.color_attributes.active_color.name == "M1 Error Color"
+    assert sphere.data.color_attributes.active_color.name == "Shape Detail Error Color"
     shown = colors(sphere)
     assert np.abs(shown - first).max() > 0.1
     # The warmer, the larger.
@@ -128,7 +128,9 @@ def test_what_is_measured_is_what_the_bands_were_made_by():
         ).bands[-1]
         for metric in ("base", "surface")
     )
-    np.testing.assert_allclose(values(obj, "M3 Error of Bands"), along_base, atol=5e-4)
+    np.testing.assert_allclose(
+        values(obj, "Edge-Keeping Detail Error of Bands"), along_base, atol=5e-4
+    )
     assert np.abs(along_base - along_surface).max() > 0.01
     rows = csv.DictReader(io.StringIO(obj.data.spectral_tv.accuracy.as_string()))
     assert [row["Steps"] for row in rows] == ["2", "4", "8"]
@@ -141,4 +143,4 @@ def test_bands_by_an_accuracy_are_measured_at_the_steps_that_were_taken(sphere):
     rows = [*csv.DictReader(io.StringIO(sphere.data.spectral_tv.accuracy.as_string()))]
     assert rows[-1]["Steps"] == str(steps)
     assert "Band 2" in rows[0] and "Band 3" not in rows[0]
-    assert "M2 Error of Bands" in sphere.data.attributes
+    assert "Limbs and Head Error of Bands" in sphere.data.attributes

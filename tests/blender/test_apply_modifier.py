@@ -44,8 +44,8 @@ def banded():
     mesh.color_attributes.new("Paint", "BYTE_COLOR", "CORNER")
     mesh.materials.append(bpy.data.materials.new("Skin"))
     bpy.ops.spectral_tv.decompose(bands=2, steps=8, keep_limbs=0, soft_edges=0)
-    obj.data.shape_keys.key_blocks["M1 Band 2"].value = 1
-    obj.data.shape_keys.key_blocks["M1 Band 2"].vertex_group = "Cap"
+    obj.data.shape_keys.key_blocks["Shape Detail Band 2"].value = 1
+    obj.data.shape_keys.key_blocks["Shape Detail Band 2"].vertex_group = "Cap"
     return obj
 
 
@@ -87,10 +87,10 @@ def test_keys_keep_all_that_is_set_of_them(banded):
     block = banded.data.shape_keys
     keys = block.key_blocks
     lean = banded.shape_key_add(name="Lean", from_mix=False)
-    lean.relative_key, lean.mute, lean.slider_max = keys["M1 Band 1"], True, 9.5
+    lean.relative_key, lean.mute, lean.slider_max = keys["Shape Detail Band 1"], True, 9.5
     for frame, value in ((1, 0), (9, 2)):
-        keys["M1 Band 1"].value = value
-        keys["M1 Band 1"].keyframe_insert("value", frame=frame)
+        keys["Shape Detail Band 1"].value = value
+        keys["Shape Detail Band 1"].keyframe_insert("value", frame=frame)
     lean.driver_add("value").driver.expression = "frame"
     animation = block.animation_data
     banded.modifiers.new("Subdivision", "SUBSURF")
@@ -102,12 +102,12 @@ def test_keys_keep_all_that_is_set_of_them(banded):
     after = [(k.name, k.value, k.mute, k.vertex_group, k.relative_key.name) for k in keys]
     assert after == before and banded.active_shape_key_index == 2
     bpy.context.scene.frame_set(9)
-    assert keys["M1 Band 1"].value == 2 and lean.value == pytest.approx(9)
+    assert keys["Shape Detail Band 1"].value == 2 and lean.value == pytest.approx(9)
 
 
 def test_what_is_seen_is_what_was_seen(banded):
     """Subdivision is linear, so that the mix of the keys is the same."""
-    banded.data.shape_keys.key_blocks["M1 Band 2"].vertex_group = ""
+    banded.data.shape_keys.key_blocks["Shape Detail Band 2"].vertex_group = ""
     banded.modifiers.new("Subdivision", "SUBSURF")
     before = seen(banded)
     apply(banded)
@@ -116,13 +116,13 @@ def test_what_is_seen_is_what_was_seen(banded):
 
 def test_bands_and_results_are_known_afterwards(banded):
     bpy.ops.spectral_tv.flow_attribute(kind="GROUP", source="Cap", steps=4)
-    bpy.ops.spectral_tv.flow_attribute(kind="KEY", source="M1 Band 2", steps=4)
+    bpy.ops.spectral_tv.flow_attribute(kind="KEY", source="Shape Detail Band 2", steps=4)
     banded.modifiers.new("Subdivision", "SUBSURF")
     apply(banded)
-    banded.data.shape_keys.key_blocks["M1 Band 2"].name = "Large"
+    banded.data.shape_keys.key_blocks["Shape Detail Band 2"].name = "Large"
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=2)
     keys = banded.data.shape_keys.key_blocks
-    assert keys["Large"].value == keys["M1 Band 1"].value == -1
+    assert keys["Large"].value == keys["Shape Detail Band 1"].value == -1
     groups, names = banded.vertex_groups.keys(), keys.keys()
     bpy.ops.spectral_tv.flow_attribute(kind="GROUP", source="Cap", steps=4)
     assert banded.vertex_groups.keys() == groups and keys.keys() == names
@@ -158,11 +158,11 @@ def test_all_are_applied_in_turn(banded, capfd):
 
 def test_modifiers_that_do_not_fit_every_key_are_refused(banded):
     keys = banded.data.shape_keys.key_blocks
-    for point in keys["M1 Band 2"].data:
+    for point in keys["Shape Detail Band 2"].data:
         point.co.x += 5
     banded.modifiers.new("Mirror", "MIRROR").use_bisect_axis = (True, False, False)
     before = contents()
-    with pytest.raises(RuntimeError, match=r"vertices of Basis, but \d+ of 'M1 Band 2'"):
+    with pytest.raises(RuntimeError, match=r"vertices of Basis, but \d+ of 'Shape Detail Band 2'"):
         bpy.ops.spectral_tv.apply_modifier()
     assert differences(before, contents()) == []
     assert [modifier.name for modifier in banded.modifiers] == ["Mirror"]
@@ -199,7 +199,7 @@ def test_what_a_modifier_changes_of_what_is_seen_is_told(banded, capfd):
     moved = np.linalg.norm(seen(banded) - before, axis=1).max()
     assert moved > 1e-4
     assert f"what is seen has changed, by up to {moved:.2g}" in capfd.readouterr().out
-    banded.data.shape_keys.key_blocks["M1 Band 2"].vertex_group = ""
+    banded.data.shape_keys.key_blocks["Shape Detail Band 2"].vertex_group = ""
     banded.modifiers.new("Subdivision", "SUBSURF")
     before = seen(banded)
     apply(banded)

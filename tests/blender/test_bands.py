@@ -51,7 +51,7 @@ def banded(monkey):
     ],
 )
 def test_presets(banded, preset, expected):
-    banded.data.shape_keys.key_blocks["M1 Band 1"].value = 0.3
+    banded.data.shape_keys.key_blocks["Shape Detail Band 1"].value = 0.3
     bpy.ops.spectral_tv.filter(preset=preset, first=2, last=3, amount=1.5)
     assert values(banded) == expected
     bpy.ops.spectral_tv.filter(preset=preset, first=3, last=2, amount=1.5)
@@ -75,17 +75,17 @@ def test_a_preset_that_changes_nothing_says_so(banded, capfd, options, reason):
 
 def test_what_keeps_a_filter_from_being_seen_is_told(banded, capfd):
     keys = banded.data.shape_keys.key_blocks
-    keys["M1 Band 1"].mute = True
-    keys["M1 Band 2"].driver_add("value").driver.expression = "1"
-    keys["M1 Band 3"].keyframe_insert("value", frame=1)
-    keys["M1 Band 4"].slider_max = 2
+    keys["Shape Detail Band 1"].mute = True
+    keys["Shape Detail Band 2"].driver_add("value").driver.expression = "1"
+    keys["Shape Detail Band 3"].keyframe_insert("value", frame=1)
+    keys["Shape Detail Band 4"].slider_max = 1.5
     banded.show_only_shape_key = True
     bpy.ops.spectral_tv.filter(preset="EXAGGERATE", first=1, last=4, amount=3)
     said = capfd.readouterr().out
-    assert "muted: M1 Band 1" in said
-    assert "driven, and do what their drivers say: M1 Band 2" in said
-    assert "keyframed; Keyframe keeps the new values: M1 Band 3" in said
-    assert "cut off at the ends of the sliders: M1 Band 4" in said
+    assert "muted: Shape Detail Band 1" in said
+    assert "driven, and do what their drivers say: Shape Detail Band 2" in said
+    assert "keyframed; Keyframe keeps the new values: Shape Detail Band 3" in said
+    assert "cut off at the ends of the sliders: Shape Detail Band 4" in said
     assert "only the active shape key is shown" in said
 
 
@@ -163,7 +163,7 @@ def mutes(obj) -> list[bool]:
 
 
 def test_solo_gives_back_what_the_user_had_muted(banded):
-    banded.data.shape_keys.key_blocks["M1 Band 1"].mute = True
+    banded.data.shape_keys.key_blocks["Shape Detail Band 1"].mute = True
     bpy.ops.spectral_tv.solo(band=2)
     assert mutes(banded) == [True, False, True, True]
     bpy.ops.spectral_tv.solo(band=1)
@@ -174,10 +174,10 @@ def test_solo_gives_back_what_the_user_had_muted(banded):
 
 def test_what_is_muted_or_unmuted_meanwhile_stays_so(banded):
     keys = banded.data.shape_keys.key_blocks
-    keys["M1 Band 1"].mute = True
+    keys["Shape Detail Band 1"].mute = True
     bpy.ops.spectral_tv.solo(band=2)
-    keys["M1 Band 3"].mute = False
-    keys["M1 Band 2"].mute = True
+    keys["Shape Detail Band 3"].mute = False
+    keys["Shape Detail Band 2"].mute = True
     bpy.ops.spectral_tv.solo(band=4)
     assert mutes(banded) == [True, True, True, False]
     bpy.ops.spectral_tv.solo(band=4)
@@ -185,7 +185,7 @@ def test_what_is_muted_or_unmuted_meanwhile_stays_so(banded):
 
 
 def test_solo_is_kept_in_files(banded, tmp_path: Path):
-    banded.data.shape_keys.key_blocks["M1 Band 1"].mute = True
+    banded.data.shape_keys.key_blocks["Shape Detail Band 1"].mute = True
     bpy.ops.spectral_tv.solo(band=2)
     path, name = str(tmp_path / "solo.blend"), banded.name
     bpy.data.libraries.write(path, {banded})
@@ -268,7 +268,7 @@ def test_cutting_again_uses_the_same_flow(banded):
     bpy.ops.spectral_tv.cut(bands=6)
     assert [key.name for key in keys] == [
         "Basis",
-        *(f"M1 Band {i}" for i in range(1, 7)),
+        *(f"Shape Detail Band {i}" for i in range(1, 7)),
         extra.name,
     ]
     again = sum(shape(key) - shape(keys[0]) for key in list(keys)[1:7])
@@ -308,16 +308,21 @@ def test_the_spectrum_shows_the_bands_from_left_to_right(banded):
 
 def test_bands_survive_renaming_and_reordering(banded):
     keys = banded.data.shape_keys.key_blocks
-    keys["M1 Band 2"].name = "Wrinkles"
-    keys["M1 Band 3"].name = "M1 Band 9"
+    keys["Shape Detail Band 2"].name = "Wrinkles"
+    keys["Shape Detail Band 3"].name = "Shape Detail Band 9"
     bpy.ops.spectral_tv.filter(preset="BAND_PASS", first=2, last=2)
     named = {key.name: key.value for key in keys}
     assert named["Wrinkles"] == 0
-    assert named["M1 Band 1"] == named["M1 Band 9"] == named["M1 Band 4"] == -1
+    assert (
+        named["Shape Detail Band 1"]
+        == named["Shape Detail Band 9"]
+        == named["Shape Detail Band 4"]
+        == -1
+    )
 
 
 def test_bands_survive_duplication_and_files(banded, tmp_path: Path):
-    banded.data.shape_keys.key_blocks["M1 Band 1"].name = "Fine"
+    banded.data.shape_keys.key_blocks["Shape Detail Band 1"].name = "Fine"
     twin = banded.copy()
     twin.data = banded.data.copy()
     bpy.context.collection.objects.link(twin)
@@ -341,28 +346,28 @@ def test_bands_survive_duplication_and_files(banded, tmp_path: Path):
 
 
 def test_another_key_by_the_name_of_a_deleted_band_is_no_band(banded):
-    banded.shape_key_remove(banded.data.shape_keys.key_blocks["M1 Band 3"])
-    smile = banded.shape_key_add(name="M1 Band 3", from_mix=False)
+    banded.shape_key_remove(banded.data.shape_keys.key_blocks["Shape Detail Band 3"])
+    smile = banded.shape_key_add(name="Shape Detail Band 3", from_mix=False)
     for point in list(smile.data)[:9]:
         point.co.z += 0.1
-    assert smile.name == "M1 Band 3"
+    assert smile.name == "Shape Detail Band 3"
     smile.value = 0.5
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
     assert values(banded) == [-1, -1, -1, 0.5]
     bpy.ops.spectral_tv.cut(bands=2)
-    assert "M1 Band 3" in banded.data.shape_keys.key_blocks
+    assert "Shape Detail Band 3" in banded.data.shape_keys.key_blocks
 
 
 def test_another_key_by_the_name_of_a_renamed_band_is_no_band(banded):
     keys = banded.data.shape_keys.key_blocks
-    keys["M1 Band 3"].name = "Folds"
-    banded.shape_key_add(name="M1 Band 3", from_mix=False).value = 0.5
+    keys["Shape Detail Band 3"].name = "Folds"
+    banded.shape_key_add(name="Shape Detail Band 3", from_mix=False).value = 0.5
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
-    assert keys["M1 Band 3"].value == 0.5 and keys["Folds"].value == -1
+    assert keys["Shape Detail Band 3"].value == 0.5 and keys["Folds"].value == -1
 
 
 def test_a_sculpted_band_is_a_band(banded):
-    for point in list(banded.data.shape_keys.key_blocks["M1 Band 1"].data)[:50]:
+    for point in list(banded.data.shape_keys.key_blocks["Shape Detail Band 1"].data)[:50]:
         point.co.z += 0.5
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=1)
     assert values(banded) == [-1, 0, 0, 0]
@@ -374,7 +379,7 @@ def test_bands_outlive_sculpting_of_basis_and_new_names(banded):
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.transform.translate(value=(0.1, 0.23, 0.37))
     bpy.ops.object.mode_set(mode="OBJECT")
-    banded.data.shape_keys.key_blocks["M1 Band 2"].name = "Wrinkles"
+    banded.data.shape_keys.key_blocks["Shape Detail Band 2"].name = "Wrinkles"
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
     assert values(banded) == [-1, -1, -1]
     assert banded.data.shape_keys.key_blocks["Wrinkles"].value == -1
@@ -402,12 +407,12 @@ def test_bands_of_a_file_of_0_1_0_are_known(banded):
         band.property_unset("places")
         band.property_unset("moves")
     keys = banded.data.shape_keys.key_blocks
-    keys["M1 Band 2"].name = "Wrinkles"
-    keys["M1 Band 3"].data[7].co.z += 0.1
+    keys["Shape Detail Band 2"].name = "Wrinkles"
+    keys["Shape Detail Band 3"].data[7].co.z += 0.1
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
     assert [key.value for key in keys][1:] == [-1, -1, -1, -1]
     assert bpy.ops.spectral_tv.measure_accuracy(of_bands=True) == {"FINISHED"}
-    assert "M1 Error of Bands" in banded.data.attributes
+    assert "Shape Detail Error of Bands" in banded.data.attributes
 
 
 def test_a_spectrum_that_is_kept_as_a_collection_is_read(banded):
@@ -429,14 +434,14 @@ def test_bands_go_with_all_shape_keys(banded):
     banded.shape_key_clear()
     assert not bpy.ops.spectral_tv.filter.poll()
     banded.shape_key_add(name="Basis")
-    banded.shape_key_add(name="M1 Band 1")
+    banded.shape_key_add(name="Shape Detail Band 1")
     assert not bpy.ops.spectral_tv.filter.poll()
     bpy.ops.spectral_tv.decompose(bands=2, steps=8)
     assert bpy.ops.spectral_tv.filter.poll()
 
 
 def test_a_deleted_band_is_left_out(banded):
-    banded.shape_key_remove(banded.data.shape_keys.key_blocks["M1 Band 3"])
+    banded.shape_key_remove(banded.data.shape_keys.key_blocks["Shape Detail Band 3"])
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=4)
     assert values(banded) == [-1, -1, -1]
 
@@ -526,14 +531,14 @@ def test_bases_of_m3():
         vertex.co.z = 0.2 * np.sin(6 * vertex.co.x) * np.cos(5 * vertex.co.y)
     bpy.ops.spectral_tv.decompose(method="M3", bands=3, steps=8, base="FLAT")
     keys = obj.data.shape_keys.key_blocks
-    moves = (shape(keys["M3 Band 3"]) - shape(keys["Basis"])).reshape(-1, 3)
+    moves = (shape(keys["Edge-Keeping Detail Band 3"]) - shape(keys["Basis"])).reshape(-1, 3)
     assert np.abs(moves[:, :2]).max() < 1e-6 < np.abs(moves[:, 2]).max()
 
     flat = obj.shape_key_add(name="Flat", from_mix=False)
     for point in flat.data:
         point.co.z = -0.2
     bpy.ops.spectral_tv.decompose(method="M3", bands=3, steps=8, base="KEY", base_key="Flat")
-    again = (shape(keys["M3 Band 3"]) - shape(keys["Basis"])).reshape(-1, 3)
+    again = (shape(keys["Edge-Keeping Detail Band 3"]) - shape(keys["Basis"])).reshape(-1, 3)
     np.testing.assert_allclose(again, moves, atol=1e-4)
     with pytest.raises(RuntimeError, match="no shape key 'Nothing'"):
         bpy.ops.spectral_tv.decompose(method="M3", base="KEY", base_key="Nothing")

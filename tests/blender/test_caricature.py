@@ -46,7 +46,7 @@ def test_all_poses_get_the_same_filter_of_their_own_bands(poses):
     assert result == {"FINISHED"}
     for obj in poses:
         assert [key.name for key in obj.data.shape_keys.key_blocks[1:]] == [
-            f"M1 Band {band}" for band in range(1, 6)
+            f"Shape Detail Band {band}" for band in range(1, 6)
         ]
         np.testing.assert_allclose(values(obj), [-1, 0, 0, 1.5, 1.5])
     ball, large, bent = (shown(obj) for obj in poses)
@@ -72,7 +72,8 @@ def test_amplified_bands_stand_out_and_smoothed_ones_are_gone(poses):
     obj = poses[0]
     keys = obj.data.shape_keys.key_blocks
     basis, finest = (
-        np.array([point.co for point in keys[name].data]) for name in ("Basis", "M1 Band 1")
+        np.array([point.co for point in keys[name].data])
+        for name in ("Basis", "Shape Detail Band 1")
     )
     np.testing.assert_allclose(shown(obj), basis - (finest - basis), atol=1e-5)
 

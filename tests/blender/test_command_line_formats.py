@@ -15,6 +15,7 @@ from command_line_files import (
     load,
     meshes,
     write_monkey,
+    write_scene,
 )
 
 # Formats that hold the filtered shape, and those that hold shape keys as well; of the former,
@@ -83,7 +84,7 @@ def test_every_format_becomes_a_blend_with_bands(tmp_path: Path, suffix):
     load(target)
     (obj,) = meshes()
     names = [key.name for key in obj.data.shape_keys.key_blocks]
-    assert names == ["Basis", "M1 Band 1", "M1 Band 2", "M1 Band 3"]
+    assert names == ["Basis", "Shape Detail Band 1", "Shape Detail Band 2", "Shape Detail Band 3"]
     assert band_values(obj) == [0, 0, 0]
     assert len(obj.data.spectral_tv.decompositions[-1].bands) == 3
 
@@ -108,3 +109,20 @@ def test_files_that_tear_the_surface_keep_their_vertices_and_normals(
     assert smoothness() == pytest.approx(shading, abs=1e-3)
     shape = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     assert len({tuple(vertex.co) for vertex in shape.vertices}) == whole
+
+
+def test_names_with_spaces_do_not_break_a_ply(tmp_path: Path, capfd):
+    empty()
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    obj = bpy.context.object
+    for name, weight in (("Left Arm", 0.25), ("Left_Arm", 0.5), ("Nose", 0.75)):
+        obj.vertex_groups.new(name=name).add([3], weight, "REPLACE")
+    source, target = write_scene(tmp_path / "arm.blend"), tmp_path / "arm.ply"
+    assert decompose(source, target, "--gain", "1=0.5") == 0
+    assert "so these have _ there: Left Arm" in capfd.readouterr().err
+    load(target)
+    (obj,) = meshes()
+    found = {each.name: each.data[3].value for each in obj.data.attributes if "N" in each.name}
+    assert found == {"Nose": 0.75}
+    weights = {each.data[3].value for each in obj.data.attributes if "Left" in each.name}
+    assert weights == {0.25, 0.5}

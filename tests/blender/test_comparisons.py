@@ -11,12 +11,12 @@ import spectral_tv
 from command_line_files import QUICK, decompose, load, meshes, run, write_monkey
 
 NAMES = {
-    "NAIVE": "Naive",
+    "NAIVE": "Per Axis",
     "HEAT": "Heat",
-    "LB": "LB",
+    "LB": "Eigenfunctions",
     "DISPLACEMENT": "Displacement",
-    "M2_P2": "M2 P2",
-    "M2_P1": "M2 P1",
+    "M2_P2": "M2 with P = 2",
+    "M2_P1": "M2 with P = 1",
 }
 
 

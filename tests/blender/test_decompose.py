@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from importlib import import_module
 from pathlib import Path
 
 import bpy
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 import spectral_tv
 from ball import saved_and_loaded
+from conftest import MODULE
 from mathutils import Euler, Matrix
 
 
@@ -19,7 +21,7 @@ def coordinates(data) -> np.ndarray:
     return flat.reshape(-1, 3).astype(float)
 
 
-def bands(obj, prefix="M1") -> np.ndarray:
+def bands(obj, prefix="Shape Detail") -> np.ndarray:
     """Displacements of the bands' shape keys, (K, V, 3)."""
     blocks = obj.data.shape_keys.key_blocks
     basis = coordinates(blocks[0].data)
@@ -40,12 +42,13 @@ def test_adds_one_key_per_band_after_basis(monkey, method):
     assert bpy.ops.spectral_tv.decompose(method=method, bands=4, steps=12) == {"FINISHED"}
     keys = monkey.data.shape_keys
     names = [key.name for key in keys.key_blocks]
-    assert names == ["Basis", *(f"{method.title()} Band {band}" for band in range(1, 5))]
+    label = import_module(f"{MODULE}.bands.methods").METHODS[method].label
+    assert names == ["Basis", *(f"{label} Band {band}" for band in range(1, 5))]
     assert keys.use_relative
     for key in keys.key_blocks[1:]:
         assert key.relative_key == keys.key_blocks["Basis"]
-        assert (key.slider_min, key.slider_max, key.value) == (-10, 10, 0)
-    displacements = bands(monkey, method.title())
+        assert (key.slider_min, key.slider_max, key.value) == (-1, 2, 0)
+    displacements = bands(monkey, label)
     assert all(np.abs(band).max() > 1e-4 for band in displacements)
     np.testing.assert_array_equal(coordinates(monkey.data.vertices), before)
     np.testing.assert_array_equal(evaluated(monkey), before)
@@ -105,7 +108,13 @@ def test_everything_else_stays(monkey):
     bpy.ops.spectral_tv.decompose(bands=3, steps=8)
 
     keys = mesh.shape_keys.key_blocks
-    expected = ["Basis", "Smile", "M1 Band 1", "M1 Band 2", "M1 Band 3"]
+    expected = [
+        "Basis",
+        "Smile",
+        "Shape Detail Band 1",
+        "Shape Detail Band 2",
+        "Shape Detail Band 3",
+    ]
     assert [key.name for key in keys] == expected
     np.testing.assert_array_equal(coordinates(keys["Basis"].data), basis)
     np.testing.assert_array_equal(coordinates(keys["Smile"].data), moved)
@@ -141,7 +150,7 @@ def test_rigged_meshes_with_custom_normals_keep_both(monkey):
     assert mesh.has_custom_normals
     assert mesh.corner_normals[0].vector.x == pytest.approx(0.6, abs=1e-2)
     assert mesh.polygons[3].material_index == 1
-    mesh.shape_keys.key_blocks["M1 Band 3"].value = 1
+    mesh.shape_keys.key_blocks["Shape Detail Band 3"].value = 1
     offsets = evaluated(monkey) - posed
     np.testing.assert_allclose(offsets, bands(monkey)[2], atol=1e-5)
 
@@ -159,7 +168,7 @@ def test_polygons_of_any_kind():
     obj = bpy.context.object
     obj.data.vertices.add(2)  # in no face
     assert bpy.ops.spectral_tv.decompose(method="M3", bands=3, steps=8) == {"FINISHED"}
-    displacements = bands(obj, "M3")
+    displacements = bands(obj, "Edge-Keeping Detail")
     assert np.isfinite(displacements).all()
     np.testing.assert_array_equal(displacements[:, -2:], 0)
 

@@ -62,9 +62,10 @@ def empty_file():
 
 @pytest.fixture
 def obj():
-    """A bumpy ball with three bands of M1."""
+    """A bumpy ball with three bands of Shape Detail."""
     made = bumpy_ball()
     decompose(bands=3)
+    bpy.ops.spectral_tv.widen_sliders()
     return made
 
 
@@ -75,39 +76,45 @@ def keys(obj):
 
 @pytest.fixture
 def both(obj):
-    """The same with two bands of M2, which are active."""
+    """The same with two bands of Limbs and Head, which are active."""
     decompose(method="M2", bands=2)
     return obj
 
 
 def test_another_method_is_added_and_each_is_set_by_itself(both, keys):
-    assert listed(both) == ["M1", "M2"] and active(both).name == "M2"
+    assert (
+        listed(both) == ["Shape Detail", "Limbs and Head"] and active(both).name == "Limbs and Head"
+    )
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=1)
     assert values(both) == [0, 0, 0, -1, 0]
-    switch("M1")
+    switch("Shape Detail")
     bpy.ops.spectral_tv.filter(preset="EXAGGERATE", first=2, last=3, amount=2)
     assert values(both) == [0, 2, 2, -1, 0]
     bpy.ops.spectral_tv.solo(band=2)
     assert [key.mute for key in keys] == [False, True, False, True, False, False]
     bpy.ops.spectral_tv.cut(bands=4)
-    assert names(both) == [*(f"M1 Band {band}" for band in (1, 2, 3, 4)), "M2 Band 1", "M2 Band 2"]
-    assert keys["M2 Band 1"].value == -1
+    assert names(both) == [
+        *(f"Shape Detail Band {band}" for band in (1, 2, 3, 4)),
+        "Limbs and Head Band 1",
+        "Limbs and Head Band 2",
+    ]
+    assert keys["Limbs and Head Band 1"].value == -1
     with pytest.raises(RuntimeError, match="no decomposition 'M7'"):
         bpy.ops.spectral_tv.switch_decomposition(name="M7")
 
 
 def test_what_acts_unseen_is_told(both, keys):
     assert states(both) == {}
-    keys["M1 Band 2"].value = -1
-    assert states(both) == {"M1": "acts: M1 Band 2 −1"}
-    keys["M1 Band 2"].mute = True
-    assert states(both) == {"M1": "is muted: M1 Band 2"}
-    keys["M1 Band 2"].mute, keys["M1 Band 2"].value = False, 0
+    keys["Shape Detail Band 2"].value = -1
+    assert states(both) == {"Shape Detail": "acts: Band 2 −1"}
+    keys["Shape Detail Band 2"].mute = True
+    assert states(both) == {"Shape Detail": "is muted: Band 2"}
+    keys["Shape Detail Band 2"].mute, keys["Shape Detail Band 2"].value = False, 0
     assert states(both) == {}
-    switch("M1")
+    switch("Shape Detail")
     bpy.ops.spectral_tv.solo(band=3)
-    switch("M2")
-    assert states(both) == {"M1": "has band 3 soloed"}
+    switch("Limbs and Head")
+    assert states(both) == {"Shape Detail": "has band 3 soloed"}
 
 
 def test_reset_means_all_and_can_mean_one(both, keys):
@@ -125,25 +132,26 @@ def test_removing_one_leaves_all_else(both, keys, capfd):
     driver = both.driver_add("location", 0).driver
     variable = driver.variables.new()
     variable.targets[0].id = both
-    variable.targets[0].data_path = 'data.shape_keys.key_blocks["M1 Band 2"].value'
-    keys["M1 Band 3"].keyframe_insert("value", frame=1)
-    keys["M1 Band 1"].value = 2
-    keys["M2 Band 1"].keyframe_insert("value", frame=1)
-    keys["M1 Band 2"].name = "Wrinkles"
+    variable.targets[0].data_path = 'data.shape_keys.key_blocks["Shape Detail Band 2"].value'
+    keys["Shape Detail Band 3"].keyframe_insert("value", frame=1)
+    keys["Shape Detail Band 1"].value = 2
+    keys["Limbs and Head Band 1"].keyframe_insert("value", frame=1)
+    keys["Shape Detail Band 2"].name = "Wrinkles"
     told(capfd)
-    assert bpy.ops.spectral_tv.remove_decomposition(name="M1") == {"FINISHED"}
-    assert names(both) == ["M2 Band 1", "M2 Band 2", "Smile"]
-    assert listed(both) == ["M2"] and active(both).name == "M2"
+    assert bpy.ops.spectral_tv.remove_decomposition(name="Shape Detail") == {"FINISHED"}
+    assert names(both) == ["Limbs and Head Band 1", "Limbs and Head Band 2", "Smile"]
+    assert listed(both) == ["Limbs and Head"] and active(both).name == "Limbs and Head"
     said = told(capfd)
     assert (
-        "removed the decomposition 'M1' and its shape keys M1 Band 1, Wrinkles, M1 Band 3" in said
+        "removed the decomposition 'Shape Detail' and its shape keys Shape Detail Band 1, "
+        "Wrinkles, Shape Detail Band 3" in said
     )
-    assert "the shape changes, as these bands were not at 0: M1 Band 1" in said
-    assert "the animation of these bands went too: M1 Band 3" in said
+    assert "the shape changes, as these bands were not at 0: Shape Detail Band 1" in said
+    assert "the animation of these bands went too: Shape Detail Band 3" in said
     assert "drivers of Ball read these bands" in said
     animated = import_module(f"{MODULE}.scene.channels").curves_and_drivers(both.data.shape_keys)
     paths = {curve.data_path for curve in animated}
-    assert paths == {'key_blocks["Smile"].value', 'key_blocks["M2 Band 1"].value'}
+    assert paths == {'key_blocks["Smile"].value', 'key_blocks["Limbs and Head Band 1"].value'}
     bpy.ops.spectral_tv.remove_decomposition()
     assert names(both) == ["Smile"] and not bpy.ops.spectral_tv.filter.poll()
 
@@ -155,8 +163,10 @@ def test_decomposing_again_keeps_the_look(obj, keys, capfd):
     before = seen(obj)
     told(capfd)
     decompose(bands=6, steps=25)
-    assert "6 bands of M1 take the place of those of 'M1'" in told(capfd)
-    assert names(obj) == [f"M1 Band {band}" for band in range(1, 7)] and listed(obj) == ["M1"]
+    assert "6 bands of Shape Detail take the place of those of 'Shape Detail'" in told(capfd)
+    assert names(obj) == [f"Shape Detail Band {band}" for band in range(1, 7)] and listed(obj) == [
+        "Shape Detail"
+    ]
     assert values(obj) == pytest.approx([-1, -1, 0.5, 0.5, 2, 2])
     assert {key.vertex_group for key in keys[1:]} == {"Cap"}
     size = np.abs(before - seen_without(obj)).max()
@@ -185,30 +195,30 @@ def test_the_filter_over_sizes_stays_whatever_the_numbers_of_bands_and_steps(obj
 
 
 def test_animation_drivers_and_names_of_the_user_go_over(obj, keys):
-    keys["M1 Band 1"].name = "Skin"
+    keys["Shape Detail Band 1"].name = "Skin"
     keys["Skin"].value = -1
     keys["Skin"].keyframe_insert("value", frame=1)
     keys["Skin"].value = 2
     keys["Skin"].keyframe_insert("value", frame=11)
-    keys["M1 Band 3"].driver_add("value").driver.expression = "frame / 10"
+    keys["Shape Detail Band 3"].driver_add("value").driver.expression = "frame / 10"
     decompose(bands=3, steps=33, soft_edges=0)
-    assert names(obj) == ["Skin", "M1 Band 2", "M1 Band 3"]
+    assert names(obj) == ["Skin", "Shape Detail Band 2", "Shape Detail Band 3"]
     for frame, expected in ((1, (-1, 0, 0.1)), (11, (2, 0, 1.1))):
         bpy.context.scene.frame_set(frame)
         assert values(obj) == pytest.approx(expected)
 
 
 def test_what_no_new_band_has_the_sizes_of_is_told(obj, keys, capfd):
-    keys["M1 Band 1"].value = -1
-    keys["M1 Band 1"].keyframe_insert("value", frame=1)
+    keys["Shape Detail Band 1"].value = -1
+    keys["Shape Detail Band 1"].keyframe_insert("value", frame=1)
     told(capfd)
     decompose(bands=3, steps=33, use_scales=True, finest=30, largest=60)
     said = told(capfd)
-    assert "no new band has the sizes of 'M1 Band 1', which was -1 and keyed" in said
+    assert "no new band has the sizes of 'Shape Detail Band 1', which was -1 and keyed" in said
 
 
 def test_a_filter_is_of_sizes_on_the_object_however_it_is_scaled(obj, keys):
-    keys["M1 Band 1"].value = -1
+    keys["Shape Detail Band 1"].value = -1
     obj.scale = (3, 3, 3)
     bpy.context.view_layer.update()
     decompose(bands=3, steps=25)
@@ -216,7 +226,7 @@ def test_a_filter_is_of_sizes_on_the_object_however_it_is_scaled(obj, keys):
 
 
 def test_masks_go_over_unless_another_is_chosen(obj, keys, capfd):
-    keys["M1 Band 2"].vertex_group = "Cap"
+    keys["Shape Detail Band 2"].vertex_group = "Cap"
     decompose(bands=3, steps=15)
     assert [key.vertex_group for key in keys[1:]] == ["", "Cap", ""]
     assert "its bands stay limited to Cap" in told(capfd)
@@ -227,19 +237,26 @@ def test_masks_go_over_unless_another_is_chosen(obj, keys, capfd):
 
 
 def test_added_it_splits_what_is_shown(obj, keys):
-    keys["M1 Band 1"].value = -1
+    keys["Shape Detail Band 1"].value = -1
     once = seen(obj)
     decompose(bands=2, into="ADD")
-    assert listed(obj) == ["M1", "M1 2"]
+    assert listed(obj) == ["Shape Detail", "Shape Detail 2"]
     np.testing.assert_allclose(seen(obj), once, atol=1e-6)
-    assert names(obj)[3:] == ["M1 2 Band 1", "M1 2 Band 2"]
+    assert names(obj)[3:] == ["Shape Detail 2 Band 1", "Shape Detail 2 Band 2"]
 
 
 def test_four_in_a_row_have_names_that_tell_them_apart(obj, keys):
     for method in ("M3", "M1", "M2", "M1"):
         decompose(method=method, bands=2, steps=8)
     decompose(bands=2, steps=8, vertex_group="Cap", into="ADD")
-    assert listed(obj) == ["M1", "M3", "M1 2", "M2", "M1 3", "M1 Cap"]
+    assert listed(obj) == [
+        "Shape Detail",
+        "Edge-Keeping Detail",
+        "Shape Detail 2",
+        "Limbs and Head",
+        "Shape Detail 3",
+        "Shape Detail Cap",
+    ]
     assert not [name for name in names(obj) if ".0" in name]
     assert len(set(names(obj))) == 3 + 5 * 2
 
@@ -248,16 +265,16 @@ def test_bands_are_numbered_from_the_finest_whatever_became_of_others(obj, keys)
     """Also where a new band has just what an old one of another number had."""
     for how in ({"bands": 5, "steps": 16}, {"bands": 7, "steps": 24}, {"bands": 4, "steps": 16}):
         decompose(**how)
-        assert names(obj) == [f"M1 Band {band}" for band in range(1, how["bands"] + 1)]
+        assert names(obj) == [f"Shape Detail Band {band}" for band in range(1, how["bands"] + 1)]
         for count in (6, 3, 8):
             bpy.ops.spectral_tv.cut(bands=count)
-            assert names(obj) == [f"M1 Band {band}" for band in range(1, count + 1)]
+            assert names(obj) == [f"Shape Detail Band {band}" for band in range(1, count + 1)]
 
 
 def test_bands_follow_the_name_of_their_decomposition(both, keys):
     """But for those that were renamed; what animates and reads them goes on."""
-    keys["M1 Band 2"].name = "Wrinkles"
-    for name, value in (("M1 Band 1", 3), ("Wrinkles", 2)):
+    keys["Shape Detail Band 2"].name = "Wrinkles"
+    for name, value in (("Shape Detail Band 1", 3), ("Wrinkles", 2)):
         keys[name].value = value
         keys[name].keyframe_insert("value", frame=1)
     driver = both.driver_add("location", 0).driver
@@ -265,8 +282,8 @@ def test_bands_follow_the_name_of_their_decomposition(both, keys):
     variable = driver.variables.new()
     variable.name = "v"
     variable.targets[0].id = both
-    variable.targets[0].data_path = 'data.shape_keys.key_blocks["M1 Band 1"].value'
-    both.data.spectral_tv.decompositions["M1"].name = "Skin"
+    variable.targets[0].data_path = 'data.shape_keys.key_blocks["Shape Detail Band 1"].value'
+    both.data.spectral_tv.decompositions["Shape Detail"].name = "Skin"
     assert names(both)[:3] == ["Skin Band 1", "Wrinkles", "Skin Band 3"]
     keys["Skin Band 1"].value = keys["Wrinkles"].value = 0
     bpy.context.scene.frame_set(2)
@@ -281,8 +298,8 @@ def test_bands_follow_the_name_of_their_decomposition(both, keys):
 
 
 def test_an_action_that_others_play_keeps_their_curves(obj, keys):
-    keys["M1 Band 1"].value = 3
-    keys["M1 Band 1"].keyframe_insert("value", frame=1)
+    keys["Shape Detail Band 1"].value = 3
+    keys["Shape Detail Band 1"].keyframe_insert("value", frame=1)
     twin = obj.copy()
     twin.data = obj.data.copy()
     bpy.context.collection.objects.link(twin)
@@ -291,17 +308,21 @@ def test_an_action_that_others_play_keeps_their_curves(obj, keys):
     if hasattr(own, "action_slot"):
         others.action_slot = own.action_slot
     obj.data.spectral_tv.decompositions[0].name = "Skin"
-    for each, name in ((obj, "Skin Band 1"), (twin, "M1 Band 1")):
+    for each, name in ((obj, "Skin Band 1"), (twin, "Shape Detail Band 1")):
         each.data.shape_keys.key_blocks[name].value = 0
     bpy.context.scene.frame_set(2)
     bpy.context.scene.frame_set(1)
-    assert keys["Skin Band 1"].value == twin.data.shape_keys.key_blocks["M1 Band 1"].value == 3
+    assert (
+        keys["Skin Band 1"].value
+        == twin.data.shape_keys.key_blocks["Shape Detail Band 1"].value
+        == 3
+    )
 
 
 def test_names_are_nobody_elses(both, keys):
     first, second = both.data.spectral_tv.decompositions
-    second.name = "M1"
-    assert second.name == "M1 2" and "M1 2 Band 1" in keys
+    second.name = "Shape Detail"
+    assert second.name == "Shape Detail 2" and "Shape Detail 2 Band 1" in keys
     both.shape_key_add(name="Skin Band 1", from_mix=False)
     first.name = "Skin"
     assert first.name == "Skin 2"
@@ -315,12 +336,12 @@ def test_names_are_nobody_elses(both, keys):
 def test_two_alike_are_two(obj, keys):
     """With the same contents; a new name of one does not have it taken for the other."""
     decompose(bands=3, into="ADD", shape="BASIS")
-    keys["M1 Band 1"].name = "Fine"
+    keys["Shape Detail Band 1"].name = "Fine"
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=1)
-    assert keys["M1 2 Band 1"].value == -1 and keys["Fine"].value == 0
-    switch("M1")
+    assert keys["Shape Detail 2 Band 1"].value == -1 and keys["Fine"].value == 0
+    switch("Shape Detail")
     bpy.ops.spectral_tv.filter(preset="EXAGGERATE", first=1, last=1, amount=3)
-    assert keys["M1 2 Band 1"].value == -1 and keys["Fine"].value == 3
+    assert keys["Shape Detail 2 Band 1"].value == -1 and keys["Fine"].value == 3
 
 
 def test_the_mix_that_is_seen_is_that_of_all(both, keys, capfd):
@@ -329,7 +350,7 @@ def test_the_mix_that_is_seen_is_that_of_all(both, keys, capfd):
     for key in keys[1:4]:
         key.value = 10
     bpy.context.view_layer.update()
-    assert guard.count(both).icon == "ERROR"  # bands of M1 fold, M2 is active
+    assert guard.count(both).icon == "ERROR"  # bands of Shape Detail fold, Limbs and Head is active
     for key in keys[1:]:
         key.value = 0.5
     before = seen(both)
@@ -348,10 +369,10 @@ def test_the_mix_that_is_seen_is_that_of_all(both, keys, capfd):
 def test_a_filter_goes_to_the_decomposition_that_is_alike(both):
     twin = bpy.data.objects.new("Twin", both.data.copy())
     bpy.context.collection.objects.link(twin)
-    switch("M1")
-    both.data.shape_keys.key_blocks["M1 Band 2"].value = 2
+    switch("Shape Detail")
+    both.data.shape_keys.key_blocks["Shape Detail Band 2"].value = 2
     twin.select_set(True)
-    assert active(twin).name == "M2"
+    assert active(twin).name == "Limbs and Head"
     assert bpy.ops.spectral_tv.copy_filter() == {"FINISHED"}
     assert values(twin) == [0, 2, 0, 0, 0]
 
@@ -359,19 +380,22 @@ def test_a_filter_goes_to_the_decomposition_that_is_alike(both):
 def test_modifiers_are_applied_to_all(both):
     both.modifiers.new("Subdivision", "SUBSURF")
     assert bpy.ops.spectral_tv.apply_modifier() == {"FINISHED"}
-    for name, expected in (("M1", [-1, 0, 0, 0, 0]), ("M2", [-1, 0, 0, -1, 0])):
+    for name, expected in (
+        ("Shape Detail", [-1, 0, 0, 0, 0]),
+        ("Limbs and Head", [-1, 0, 0, -1, 0]),
+    ):
         switch(name)
         bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=1)
         assert values(both) == expected
 
 
 def test_a_file_keeps_them_all(empty_file, both, tmp_path: Path):
-    both.data.spectral_tv.decompositions["M1"].name = "Skin"
+    both.data.spectral_tv.decompositions["Shape Detail"].name = "Skin"
     path = str(tmp_path / "two.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False)
     bpy.ops.wm.open_mainfile(filepath=path)
     loaded = bpy.data.objects["Ball"]
-    assert listed(loaded) == ["Skin", "M2"] and active(loaded).name == "M2"
+    assert listed(loaded) == ["Skin", "Limbs and Head"] and active(loaded).name == "Limbs and Head"
     switch("Skin")
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=3)
     assert values(loaded) == [-1, -1, -1, 0, 0]
@@ -397,7 +421,7 @@ def test_files_of_before_open_and_work(empty_file, obj, tmp_path: Path):
     bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False)
     bpy.ops.wm.open_mainfile(filepath=path)
     loaded = bpy.data.objects["Ball"]
-    assert listed(loaded) == ["M1"] and not loaded.data.spectral_tv.decomposition.bands
+    assert listed(loaded) == ["Shape Detail"] and not loaded.data.spectral_tv.decomposition.bands
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=2, last=2)
     assert values(loaded) == [0, -1, 0]
     loaded.data.spectral_tv.decompositions[0].name = "Skin"
@@ -409,10 +433,15 @@ def test_files_of_before_open_and_work(empty_file, obj, tmp_path: Path):
 def test_an_old_record_is_listed_when_another_is_added(obj, keys):
     make_old(obj)
     decompose(method="M2", bands=2)
-    assert listed(obj) == ["M1", "M2"]
-    switch("M1")
+    assert listed(obj) == ["Shape Detail", "Limbs and Head"]
+    switch("Shape Detail")
     bpy.ops.spectral_tv.cut(bands=2)
-    assert names(obj) == ["M1 Band 1", "M1 Band 2", "M2 Band 1", "M2 Band 2"]
+    assert names(obj) == [
+        "Shape Detail Band 1",
+        "Shape Detail Band 2",
+        "Limbs and Head Band 1",
+        "Limbs and Head Band 2",
+    ]
 
 
 def test_bands_of_vertices_that_are_gone_stay_beside_the_new_ones(obj, keys, capfd):
@@ -422,8 +451,8 @@ def test_bands_of_vertices_that_are_gone_stay_beside_the_new_ones(obj, keys, cap
     bpy.ops.object.mode_set(mode="OBJECT")
     told(capfd)
     decompose(bands=2)
-    assert "'M1' is of other vertices, so it stays beside the new one" in told(capfd)
-    assert listed(obj) == ["M1", "M1 2"]
+    assert "'Shape Detail' is of other vertices, so it stays beside the new one" in told(capfd)
+    assert listed(obj) == ["Shape Detail", "Shape Detail 2"]
     bpy.ops.spectral_tv.filter(preset="BAND_STOP", first=1, last=2)
     assert values(obj) == [0, 0, 0, -1, -1]
 
@@ -432,7 +461,7 @@ def test_a_caricature_is_not_piled_on_the_last_one(obj, keys):
     how = {"bands": 3, "steps": STEPS, "first": 2, "last": 3, "smooth": 1}
     for amount in (2, 1):
         bpy.ops.spectral_tv.caricature(amount=amount, **how)
-    assert listed(obj) == ["M1"]
+    assert listed(obj) == ["Shape Detail"]
     again = seen(obj)
     bpy.ops.spectral_tv.remove_decomposition()
     bpy.ops.spectral_tv.caricature(amount=1, **how)

@@ -144,7 +144,7 @@ def test_weights_below_one_are_springs(body):
 
 def test_deforming_again_overwrites_its_key_alone(held):
     bpy.ops.spectral_tv.decompose(bands=3, steps=8)
-    bands = [key_positions(held, f"M1 Band {band}") for band in (1, 2, 3)]
+    bands = [key_positions(held, f"Shape Detail Band {band}") for band in (1, 2, 3)]
     handle(held).location.x += 0.5
     bpy.context.view_layer.update()
     bpy.ops.spectral_tv.deform()
@@ -155,11 +155,17 @@ def test_deforming_again_overwrites_its_key_alone(held):
     bpy.context.view_layer.update()
     bpy.ops.spectral_tv.deform()
     names = [key.name for key in held.data.shape_keys.key_blocks]
-    assert names == ["Basis", "M1 Band 1", "M1 Band 2", "M1 Band 3", "Lean"]
+    assert names == [
+        "Basis",
+        "Shape Detail Band 1",
+        "Shape Detail Band 2",
+        "Shape Detail Band 3",
+        "Lean",
+    ]
     assert held.data.shape_keys.key_blocks["Lean"].value == 0.5
     assert np.abs(key_positions(held, "Lean") - first).max() > 0.4
     for band, before in enumerate(bands, start=1):
-        np.testing.assert_array_equal(key_positions(held, f"M1 Band {band}"), before)
+        np.testing.assert_array_equal(key_positions(held, f"Shape Detail Band {band}"), before)
     bpy.ops.spectral_tv.cut(bands=2)
     assert "Lean" in held.data.shape_keys.key_blocks
 

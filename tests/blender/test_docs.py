@@ -19,14 +19,15 @@ EXAMPLES = {
 # What an example leaves behind.
 FILES = {
     "README.md-1": ["monkey.blend"],
-    "scripting.md-1": ["smooth.blend"],
-    "scripting.md-2": ["safe.blend"],
-    "scripting.md-5": ["masked.blend"],
-    "scripting.md-6": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
-    "scripting.md-8": ["ear.blend"],
-    "scripting.md-9": ["mask.blend", "mask.csv"],
-    "scripting.md-10": ["smooth.png"],
-    "scripting.md-19": ["splits.pickle"],
+    "scripting.md-1": ["stylize.json", "stylized.blend"],
+    "scripting.md-2": ["smooth.blend"],
+    "scripting.md-3": ["safe.blend"],
+    "scripting.md-6": ["masked.blend"],
+    "scripting.md-7": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+    "scripting.md-9": ["ear.blend"],
+    "scripting.md-10": ["mask.blend", "mask.csv"],
+    "scripting.md-11": ["smooth.png"],
+    "scripting.md-20": ["splits.pickle"],
 }
 
 

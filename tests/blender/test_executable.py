@@ -31,7 +31,10 @@ def test_decomposes_in_background(blender, tmp_path: Path):
     blender("--background", "--python-exit-code", "7", "--python", str(script))
     check = "import bpy; print('keys', [k.name for k in bpy.data.shape_keys[0].key_blocks])"
     done = blender("--background", str(saved), "--python-exit-code", "7", "--python-expr", check)
-    assert "keys ['Basis', 'M2 Band 1', 'M2 Band 2', 'M2 Band 3']" in done.stdout
+    assert (
+        "keys ['Basis', 'Limbs and Head Band 1', 'Limbs and Head Band 2', 'Limbs and Head Band 3']"
+        in done.stdout
+    )
 
 
 @pytest.mark.longest

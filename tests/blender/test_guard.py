@@ -19,7 +19,7 @@ live_guard = import_module(f"{EXTENSION}.live_guard")
 STRETCH = import_module(f"{EXTENSION}.guard").STRETCH
 SCALES = {"use_scales": True, "finest": 2, "largest": 30, "keep_limbs": 0, "soft_edges": 0}
 # So much of these bands folds and stretches faces.
-WILD = {"M1 Band 2": 3.0, "M1 Band 3": 3.0}
+WILD = {"Shape Detail Band 2": 3.0, "Shape Detail Band 3": 3.0}
 
 
 def sheet_with_bumps(name: str = "Sheet") -> bpy.types.Object:
@@ -40,7 +40,8 @@ def banded(obj: bpy.types.Object) -> bpy.types.Object:
 def turn(obj: bpy.types.Object, **values: float) -> None:
     """Set sliders: wild ones where none is named."""
     for name, value in (values or WILD).items():
-        obj.data.shape_keys.key_blocks[name].value = value
+        key(obj, name).slider_min, key(obj, name).slider_max = -10, 10
+        key(obj, name).value = value
     bpy.context.view_layer.update()
 
 
@@ -101,23 +102,23 @@ def test_the_line_follows_the_sliders(sheet):
 
 
 def test_what_is_taken_away_folds_too(sheet):
-    key(sheet, "M1 Band 2").slider_min = -10
-    turn(sheet, **{"M1 Band 2": -8.0})
-    assert line() == text(*counted(sheet, -8 * moved(sheet, "M1 Band 2")))
+    key(sheet, "Shape Detail Band 2").slider_min = -10
+    turn(sheet, **{"Shape Detail Band 2": -8.0})
+    assert line() == text(*counted(sheet, -8 * moved(sheet, "Shape Detail Band 2")))
 
 
 def test_what_is_muted_soloed_or_deleted_counts_no_more(sheet):
     turn(sheet)
     both = line()
-    alone = text(*counted(sheet, WILD["M1 Band 3"] * moved(sheet, "M1 Band 3")))
-    key(sheet, "M1 Band 2").mute = True
+    alone = text(*counted(sheet, WILD["Shape Detail Band 3"] * moved(sheet, "Shape Detail Band 3")))
+    key(sheet, "Shape Detail Band 2").mute = True
     assert line() == alone != both
-    key(sheet, "M1 Band 2").mute = False
+    key(sheet, "Shape Detail Band 2").mute = False
     assert line() == both
     bpy.ops.spectral_tv.solo(band=3)
     assert line() == alone
     bpy.ops.spectral_tv.solo(band=3)
-    sheet.shape_key_remove(key(sheet, "M1 Band 2"))
+    sheet.shape_key_remove(key(sheet, "Shape Detail Band 2"))
     assert line() == alone
 
 
@@ -127,12 +128,20 @@ def test_masks_count_and_follow_their_weights(sheet):
     group = sheet.vertex_groups.new(name="Part")
 
     def expected() -> str:
-        first = WILD["M1 Band 2"] * weights[:, np.newaxis] * moved(sheet, "M1 Band 2")
-        return text(*counted(sheet, first + WILD["M1 Band 3"] * moved(sheet, "M1 Band 3")))
+        first = (
+            WILD["Shape Detail Band 2"]
+            * weights[:, np.newaxis]
+            * moved(sheet, "Shape Detail Band 2")
+        )
+        return text(
+            *counted(
+                sheet, first + WILD["Shape Detail Band 3"] * moved(sheet, "Shape Detail Band 3")
+            )
+        )
 
     for vertex, weight in enumerate(weights):
         group.add([vertex], weight, "REPLACE")
-    key(sheet, "M1 Band 2").vertex_group = "Part"
+    key(sheet, "Shape Detail Band 2").vertex_group = "Part"
     bpy.context.view_layer.update()
     masked = line()
     assert masked == expected()
@@ -140,9 +149,9 @@ def test_masks_count_and_follow_their_weights(sheet):
     group.add(range(len(weights)), 0.05, "REPLACE")
     bpy.context.view_layer.update()
     assert line() == expected() != masked
-    turn(sheet, **{"M1 Band 3": 4.0})  # with weights that are kept from before
-    first = WILD["M1 Band 2"] * 0.05 * moved(sheet, "M1 Band 2")
-    assert line() == text(*counted(sheet, first + 4.0 * moved(sheet, "M1 Band 3")))
+    turn(sheet, **{"Shape Detail Band 3": 4.0})  # with weights that are kept from before
+    first = WILD["Shape Detail Band 2"] * 0.05 * moved(sheet, "Shape Detail Band 2")
+    assert line() == text(*counted(sheet, first + 4.0 * moved(sheet, "Shape Detail Band 3")))
 
 
 def test_bands_are_judged_against_what_the_other_keys_show(sheet):
@@ -164,7 +173,7 @@ def test_bands_are_judged_against_what_the_other_keys_show(sheet):
 def test_sculpted_bands_and_renamed_ones_are_counted_as_they_are(sheet):
     turn(sheet)
     before = line()
-    key(sheet, "M1 Band 2").name = "Nose"
+    key(sheet, "Shape Detail Band 2").name = "Nose"
     assert line() == before
     nose = key(sheet, "Nose")
     sculpted = points(nose)
@@ -172,7 +181,9 @@ def test_sculpted_bands_and_renamed_ones_are_counted_as_they_are(sheet):
     nose.data.foreach_set("co", sculpted.astype(np.float32).ravel())
     sheet.data.update_tag()
     bpy.context.view_layer.update()
-    mix = WILD["M1 Band 2"] * moved(sheet, "Nose") + WILD["M1 Band 3"] * moved(sheet, "M1 Band 3")
+    mix = WILD["Shape Detail Band 2"] * moved(sheet, "Nose") + WILD["Shape Detail Band 3"] * moved(
+        sheet, "Shape Detail Band 3"
+    )
     assert line() == text(*counted(sheet, mix)) != before
 
 
@@ -215,9 +226,7 @@ def test_of_a_face_of_several_triangles_one_face_is_counted(sheet):
         key(sheet, name).value = 0
     bpy.ops.spectral_tv.decompose(bands=3, steps=12, **SCALES)
     bands = sheet.data.shape_keys.key_blocks[1:]
-    for band in bands:
-        band.value = 10
-    bpy.context.view_layer.update()
+    turn(sheet, **{band.name: 10.0 for band in bands})
     counts = live_guard.line(bpy.context).text.split()
     assert 0 < int(counts[0]) <= quads
     mix = sum(10 * moved(sheet, band.name) for band in bands)
@@ -232,7 +241,7 @@ def test_after_undo_the_count_is_that_of_then(sheet):
     turn(sheet)
     wild = line()
     bpy.ops.ed.undo_push(message="wild")
-    turn(sheet, **{"M1 Band 2": 1.0})
+    turn(sheet, **{"Shape Detail Band 2": 1.0})
     calmer = line()
     assert calmer != wild
     bpy.ops.ed.undo_push(message="calmer")
@@ -270,7 +279,7 @@ def test_bands_of_an_override_are_counted(sheet, tmp_path: Path):
     layer = bpy.context.view_layer
     own = linked.override_hierarchy_create(bpy.context.scene, layer, do_fully_editable=True)
     layer.objects.active = own
-    turn(own, **{"M1 Band 3": 2.0})
+    turn(own, **{"Shape Detail Band 3": 2.0})
     assert "face" in line() and line() != wild
     turn(own)
     assert line() == wild
@@ -285,7 +294,7 @@ def test_of_huge_meshes_the_user_has_to_ask(sheet, monkeypatch, capfd):
     mix = sum(value * moved(sheet, name) for name, value in WILD.items())
     assert line() == text(*counted(sheet, mix))
     assert text(*counted(sheet, mix)) in capfd.readouterr().out
-    turn(sheet, **{"M1 Band 2": 1.0})
+    turn(sheet, **{"Shape Detail Band 2": 1.0})
     assert line() == ""
 
 
@@ -327,7 +336,7 @@ def test_baked_safe_nothing_folds(sheet, capfd):
 
 
 def test_the_stretch_can_be_chosen(sheet):
-    turn(sheet, **{"M1 Band 3": 1.0})
+    turn(sheet, **{"Shape Detail Band 3": 1.0})
     bpy.ops.spectral_tv.bake_safe()
     bpy.ops.spectral_tv.bake_safe(stretch=1.05)
     shape, faces = points(key(sheet, "Basis")), triangles(sheet)
@@ -340,17 +349,16 @@ def test_the_stretch_can_be_chosen(sheet):
 def test_what_does_not_fold_is_baked_as_it_is(sheet, capfd):
     smile = sheet.shape_key_add(name="Smile", from_mix=False)
     smile.data[3].co.z += 0.5
-    turn(sheet, **{"M1 Band 1": 0.5, "M1 Band 3": 0.3, "Smile": 0.75})
+    turn(sheet, **{"Shape Detail Band 1": 0.5, "Shape Detail Band 3": 0.3, "Smile": 0.75})
     bpy.ops.spectral_tv.bake_safe()
     assert "keeps all of what the bands add" in capfd.readouterr().out
-    mix = 0.5 * moved(sheet, "M1 Band 1") + 0.3 * moved(sheet, "M1 Band 3")
+    mix = 0.5 * moved(sheet, "Shape Detail Band 1") + 0.3 * moved(sheet, "Shape Detail Band 3")
     np.testing.assert_allclose(moved(sheet, "Safe"), mix, atol=1e-6)
 
 
 def test_what_is_taken_away_is_not_clamped(sheet, capfd):
-    for name in WILD:
-        key(sheet, name).value = -10
-    key(sheet, "M1 Band 1").mute = True
+    turn(sheet, **dict.fromkeys(WILD, -10.0))
+    key(sheet, "Shape Detail Band 1").mute = True
     bpy.ops.spectral_tv.bake_safe()
     mix = sum(-10 * moved(sheet, name) for name in WILD)
     np.testing.assert_allclose(moved(sheet, "Safe"), mix, atol=1e-5)
@@ -362,12 +370,15 @@ def test_what_is_taken_away_is_not_clamped(sheet, capfd):
 
 def test_what_is_added_is_clamped_on_what_is_left(sheet):
     """At −1 the small bump is gone; what the other band adds is safe on the shape without it."""
-    turn(sheet, **{"M1 Band 1": -1.0, "M1 Band 2": -1.0, "M1 Band 3": 8.0})
-    taken = -moved(sheet, "M1 Band 1") - moved(sheet, "M1 Band 2")
+    turn(
+        sheet,
+        **{"Shape Detail Band 1": -1.0, "Shape Detail Band 2": -1.0, "Shape Detail Band 3": 8.0},
+    )
+    taken = -moved(sheet, "Shape Detail Band 1") - moved(sheet, "Shape Detail Band 2")
     bpy.ops.spectral_tv.bake_safe()
     added = moved(sheet, "Safe") - taken
     left = points(key(sheet, "Basis")) + taken
-    assert counted(sheet, 8 * moved(sheet, "M1 Band 3"), left) != (0, 0)
+    assert counted(sheet, 8 * moved(sheet, "Shape Detail Band 3"), left) != (0, 0)
     assert counted(sheet, added, left) == (0, 0)
 
 
@@ -379,7 +390,7 @@ def test_parts_that_meet_are_told(capfd):
     other = vertices * [1, 1, -1] + [0, 0, 0.7]
     both = np.vstack([vertices, other])
     obj = banded(object_of("Mouth", both, np.vstack([faces, faces[:, ::-1] + len(vertices)])))
-    turn(obj, **{"M1 Band 3": 1.5})
+    turn(obj, **{"Shape Detail Band 3": 1.5})
     bpy.ops.spectral_tv.bake_safe()
     said = capfd.readouterr().out
     assert "parts meet that lie apart, which clamping does not prevent" in said
@@ -432,7 +443,7 @@ def test_objects_that_meet_stay_joined():
     bpy.ops.spectral_tv.decompose(bands=3, steps=12, together=True, **SCALES)
     halves = [bpy.data.objects[name] for name in ("Left", "Right")]
     for obj in halves:
-        key(obj, "M1 Band 3").value = 9
+        turn(obj, **{"Shape Detail Band 3": 9.0})
     assert bpy.ops.spectral_tv.bake_safe(together=True) == {"FINISHED"}
     seams = []
     for obj in halves:
@@ -441,7 +452,7 @@ def test_objects_that_meet_stay_joined():
         order = seam[np.argsort(basis[seam, 1])]
         seams.append(points(key(obj, "Safe"))[order])
         assert counted(obj, moved(obj, "Safe")) == (0, 0)
-        assert counted(obj, 9 * moved(obj, "M1 Band 3")) != (0, 0)
+        assert counted(obj, 9 * moved(obj, "Shape Detail Band 3")) != (0, 0)
     assert len(seams[0]) == 31
     np.testing.assert_allclose(seams[0], seams[1], atol=1e-6)
 
@@ -496,7 +507,7 @@ def test_safe_files_have_no_folds(file, tmp_path: Path, capfd):
     assert "no face folds in 'Safe'" in capfd.readouterr().err
     load(target)
     (obj,) = meshes()
-    assert key(obj, "Safe").value == 1 and key(obj, "M1 Band 3").value == 0
+    assert key(obj, "Safe").value == 1 and key(obj, "Shape Detail Band 3").value == 0
     assert counted(obj, moved(obj, "Safe")) == (0, 0)
     shape = points(key(obj, "Safe"))
     assert decompose(file, tmp_path / "out.ply", *GAINS, "--safe") == 0
@@ -508,7 +519,7 @@ def test_safe_files_have_no_folds(file, tmp_path: Path, capfd):
     assert decompose(file, target, *GAINS, "--gain", "2=1.1", "--gain", "3=1.1", "--safe") == 0
     load(target)
     assert "Safe" not in meshes()[0].data.shape_keys.key_blocks
-    assert key(meshes()[0], "M1 Band 3").value == pytest.approx(0.1)
+    assert key(meshes()[0], "Shape Detail Band 3").value == pytest.approx(0.1)
 
 
 def test_over_frames_folds_are_told_once(tmp_path: Path, capfd):

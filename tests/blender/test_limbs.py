@@ -65,7 +65,12 @@ def test_the_slider_cuts_bands_anew_and_keeps_what_was_set(body):
         limbs.keep = amount
         assert limbs.keep == pytest.approx(amount)
         assert np.abs(bands_of(body) - expected(body, amount)).max() < 1e-5
-    assert [key.name for key in keys] == ["Basis", "Skin", "M1 Band 2", "M1 Band 3"]
+    assert [key.name for key in keys] == [
+        "Basis",
+        "Skin",
+        "Shape Detail Band 2",
+        "Shape Detail Band 3",
+    ]
     assert keys[1].value == 2 and keys[2].mute
     # Bands are known as such afterwards.
     assert bpy.ops.spectral_tv.filter(preset="RESET") == {"FINISHED"}

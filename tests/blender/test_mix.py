@@ -38,15 +38,20 @@ def test_the_chosen_bands_are_replaced(pair):
     obj, twin = pair
     assert bpy.ops.spectral_tv.take_bands(first=1, last=2) == {"FINISHED"}
     keys = obj.data.shape_keys.key_blocks
-    assert [key.name for key in keys][-2:] == ["Twin M1 Band 1", "Twin M1 Band 2"]
-    assert [keys[f"M1 Band {band}"].value for band in (1, 2, 3, 4)] == [-1, -1, 0, 0]
+    assert [key.name for key in keys][-2:] == [
+        "Twin Shape Detail Band 1",
+        "Twin Shape Detail Band 2",
+    ]
+    assert [keys[f"Shape Detail Band {band}"].value for band in (1, 2, 3, 4)] == [-1, -1, 0, 0]
     ratio = np.sqrt(
         obj.data.spectral_tv.decompositions[-1].area / twin.data.spectral_tv.decompositions[-1].area
     )
     for band in (1, 2):
-        taken = offsets(obj, f"Twin M1 Band {band}")
-        np.testing.assert_allclose(taken, ratio * offsets(twin, f"M1 Band {band}"), atol=1e-6)
-        assert keys[f"Twin M1 Band {band}"].value == 1
+        taken = offsets(obj, f"Twin Shape Detail Band {band}")
+        np.testing.assert_allclose(
+            taken, ratio * offsets(twin, f"Shape Detail Band {band}"), atol=1e-6
+        )
+        assert keys[f"Twin Shape Detail Band {band}"].value == 1
     assert [key.value for key in twin.data.shape_keys.key_blocks[1:]] == [0, 0, 0, 0]
 
 
@@ -66,9 +71,9 @@ def test_taking_again_takes_the_place_of_what_was_taken(pair):
     bpy.context.scene.collection.objects.link(third)
     twin.select_set(False)
     third.select_set(True)
-    third.data.shape_keys.key_blocks["M1 Band 1"].name = "Skin"
+    third.data.shape_keys.key_blocks["Shape Detail Band 1"].name = "Skin"
     bpy.ops.spectral_tv.take_bands(first=1, last=1)
-    assert obj.data.shape_keys.key_blocks.keys()[-2:] == ["Twin M1 Band 2", "Third Skin"]
+    assert obj.data.shape_keys.key_blocks.keys()[-2:] == ["Twin Shape Detail Band 2", "Third Skin"]
     np.testing.assert_allclose(shown(obj), before, atol=1e-6)
 
 

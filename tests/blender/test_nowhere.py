@@ -53,7 +53,7 @@ def test_bands_of_the_rest_are_in_files_that_hold_keys(tmp_path: Path):
     load(target)
     (obj,) = meshes()
     names = [key.name for key in obj.data.shape_keys.key_blocks]
-    assert names[1:] == ["M1 Band 1", "M1 Band 2", "M1 Band 3"]
+    assert names[1:] == ["Shape Detail Band 1", "Shape Detail Band 2", "Shape Detail Band 3"]
     for key in obj.data.shape_keys.key_blocks:
         places = np.array([point.co for point in key.data])
         assert np.isfinite(places).all()

@@ -9,7 +9,7 @@ import pytest
 from ball import ball
 from contents import contents
 
-BANDS = [f"M1 Band {band}" for band in (1, 2, 3)]
+BANDS = [f"Shape Detail Band {band}" for band in (1, 2, 3)]
 
 
 def values(obj) -> list[float]:

@@ -12,7 +12,7 @@ from ball import bumpy_ball
 from conftest import MODULE
 
 STEPS = 13  # twelve components, so that 2, 3, 4, 6 and 12 bands are of equal numbers
-SIX = [f"M1 Band {band}" for band in range(1, 7)]
+SIX = [f"Shape Detail Band {band}" for band in range(1, 7)]
 
 
 def actions(keys: bpy.types.Key) -> list:
@@ -40,6 +40,7 @@ def banded():
     """A bumpy ball with six bands, of two components each."""
     obj = bumpy_ball()
     bpy.ops.spectral_tv.decompose(bands=6, steps=STEPS)
+    bpy.ops.spectral_tv.widen_sliders()
     return obj
 
 
@@ -91,9 +92,10 @@ def test_masks_mutes_locks_and_slider_ranges_go_over(banded, keys, capfd):
     assert middle.slider_min == -10 and fine.slider_max == 10
     # The muted one was not seen, and so counts for nothing.
     assert (coarse.mute, coarse.value, coarse.lock_shape) == (False, 2, True)
-    assert "'M1 Band 3' is in the place of muted bands too" in told(capfd)
+    assert "'Shape Detail Band 3' is in the place of muted bands too" in told(capfd)
     cut(banded, 1)
-    assert "'M1 Band 1' has the mean of the masks of 'M1 Band 1', 'M1 Band 2'" in told(capfd)
+    old = "'Shape Detail Band 1', 'Shape Detail Band 2'"
+    assert f"'Shape Detail Band 1' has the mean of the masks of {old}" in told(capfd)
 
 
 def test_what_the_new_bands_cannot_have_is_told(banded, keys, capfd):
@@ -106,9 +108,12 @@ def test_what_the_new_bands_cannot_have_is_told(banded, keys, capfd):
     _, middle, _ = cut(banded, 3).values()
     assert middle.value == pytest.approx(0)
     text = told(capfd)
-    assert "'M1 Band 1', 'M1 Band 2', whose locks differ; it has what 'M1 Band 1' had" in text
-    assert "'Wrinkles' went into 'M1 Band 2'" in text
-    assert "the mean of other values, so that the shape is another: 'M1 Band 2' (" in text
+    assert (
+        "'Shape Detail Band 1', 'Shape Detail Band 2', whose locks differ; it has what "
+        "'Shape Detail Band 1' had" in text
+    )
+    assert "'Wrinkles' went into 'Shape Detail Band 2'" in text
+    assert "the mean of other values, so that the shape is another: 'Shape Detail Band 2' (" in text
 
 
 def test_the_shape_that_is_seen_stays_where_bands_are_split(banded, keys):
@@ -149,8 +154,8 @@ def test_a_curve_that_is_split_is_copied_as_it_is(banded, keys):
     curve.update()
     before = sampled(keys, SIX[1])
     cut(banded, 12)
-    assert set(curves(keys.id_data)) == {path("M1 Band 3"), path("M1 Band 4")}
-    for name in ("M1 Band 3", "M1 Band 4"):
+    assert set(curves(keys.id_data)) == {path("Shape Detail Band 3"), path("Shape Detail Band 4")}
+    for name in ("Shape Detail Band 3", "Shape Detail Band 4"):
         np.testing.assert_allclose(sampled(keys, name), before, atol=1e-6)
         copied = curves(keys.id_data)[path(name)]
         assert [point.interpolation for point in copied.keyframe_points] == [
@@ -234,13 +239,16 @@ def test_drivers_go_over_and_what_is_lost_is_told(banded, keys, capfd):
     cut(banded, 12)
     bpy.context.scene.frame_set(20)
     values = {key.name: key.value for key in keys if key.name != "Basis"}
-    assert values["M1 Band 3"] == values["M1 Band 4"] == pytest.approx(2)
+    assert values["Shape Detail Band 3"] == values["Shape Detail Band 4"] == pytest.approx(2)
     assert len(keys.id_data.animation_data.drivers) == 2
     assert "differ" not in told(capfd)
     cut(banded, 6)
     assert "differ" not in told(capfd)  # both had the same
     cut(banded, 3)
-    lost = "in the place of 'M1 Band 2', 'M1 Band 1', whose drivers differ; it has what 'M1 Band 2'"
+    lost = (
+        "in the place of 'Shape Detail Band 2', 'Shape Detail Band 1', whose drivers differ; it "
+        "has what 'Shape Detail Band 2'"
+    )
     assert lost in told(capfd)
 
 
@@ -256,9 +264,9 @@ def test_what_reads_a_band_reads_the_one_in_its_place(banded, keys):
     variable.targets[0].data_path = f"data.shape_keys.{path(SIX[3])}"
     cut(banded, 3)
     read = variable.targets[0].data_path
-    assert read == f"data.shape_keys.{path('M1 Band 2')}"
-    own = keys.id_data.animation_data.drivers.find(path("M1 Band 3")).driver
-    assert own.variables[0].targets[0].data_path == path("M1 Band 2")
+    assert read == f"data.shape_keys.{path('Shape Detail Band 2')}"
+    own = keys.id_data.animation_data.drivers.find(path("Shape Detail Band 3")).driver
+    assert own.variables[0].targets[0].data_path == path("Shape Detail Band 2")
 
 
 def test_strips_of_the_nla_are_cut_too(banded, keys):
@@ -330,7 +338,7 @@ def test_order_active_key_and_solo(banded, keys):
     bpy.ops.spectral_tv.solo(band=2)
     cut(banded, 3)
     assert [key.name for key in keys] == ["Basis", *SIX[:3], smile.name]
-    assert banded.active_shape_key.name == "M1 Band 2"
+    assert banded.active_shape_key.name == "Shape Detail Band 2"
     assert twin.active_shape_key == smile
     assert [key.mute for key in keys] == [False] * 5
     bpy.ops.spectral_tv.solo(band=2)
@@ -344,12 +352,16 @@ def test_a_sculpted_band_stays_muted(banded, keys, capfd):
     keys[SIX[1]].value = 1
     sculpted = [tuple(point.co) for point in keys[SIX[1]].data]
     cut(banded, 3)
-    assert "'M1 Band 2' was sculpted since; it stays, muted" in told(capfd)
-    assert [tuple(point.co) for point in keys["M1 Band 2"].data] == sculpted
-    assert keys["M1 Band 2"].mute
+    assert "'Shape Detail Band 2' was sculpted since; it stays, muted" in told(capfd)
+    assert [tuple(point.co) for point in keys["Shape Detail Band 2"].data] == sculpted
+    assert keys["Shape Detail Band 2"].mute
     record = banded.data.spectral_tv.decompositions[-1]
-    assert [band.key for band in record.bands] == ["M1 Band 1", "M1 Band 2.001", "M1 Band 3"]
-    assert keys["M1 Band 1"].value == pytest.approx(0.5)
+    assert [band.key for band in record.bands] == [
+        "Shape Detail Band 1",
+        "Shape Detail Band 2.001",
+        "Shape Detail Band 3",
+    ]
+    assert keys["Shape Detail Band 1"].value == pytest.approx(0.5)
 
 
 def test_keys_that_lean_on_a_band_move_vertices_as_before(banded, keys):

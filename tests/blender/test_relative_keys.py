@@ -135,11 +135,11 @@ def test_bands_that_are_taken_are_what_they_do(body):
         obj.select_set(True)
         bpy.ops.spectral_tv.decompose(bands=2, steps=6)
     keys = twin.data.shape_keys.key_blocks
-    expected, shift = moved(twin, "M1 Band 2"), positions(keys["Wide"]) - VERTICES
-    band = keys["M1 Band 2"]
+    expected, shift = moved(twin, "Shape Detail Band 2"), positions(keys["Wide"]) - VERTICES
+    band = keys["Shape Detail Band 2"]
     band.relative_key = keys["Wide"]
     for point, co in zip(band.data, positions(band) + shift, strict=True):
         point.co = co
     bpy.ops.spectral_tv.take_bands(first=2, last=2)
-    taken = body.data.shape_keys.key_blocks["Body.001 M1 Band 2"]
+    taken = body.data.shape_keys.key_blocks["Body.001 Shape Detail Band 2"]
     np.testing.assert_allclose(moved(body, taken.name), expected, atol=1e-5)

@@ -150,20 +150,29 @@ CASES = {
     "own_mask": (lambda: masked() or bpy.ops.spectral_tv.choose_mask(group="Cap"), {}),
     "paint_mask": (banded, {}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
-    "remove_decomposition": (twice, {"name": "M1"}),
+    "recipe": (lambda: ball("Ball"), {"recipe": "Caricature"}),
+    "remove_decomposition": (twice, {"name": "Shape Detail"}),
     "remove_mask": (masked, {}),
     "rig_from_pose": (posed, {}),
     "select_faulty": (torn, {}),
     "solo": (banded, {"band": 2}),
     "split_segments": (segmented, {}),
-    "switch_decomposition": (twice, {"name": "M1"}),
+    "switch_decomposition": (twice, {"name": "Shape Detail"}),
     "take_bands": (pair, {"first": 1, "last": 2}),
     "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),
+    "widen_sliders": (banded, {}),
     "work_object": (sculpted, {}),
     "write_back": (worked_on, {}),
 }
 # Those that change nothing in the file.
-WITHOUT_STEP = {"cancel", "count_folds", "export_values"}
+WITHOUT_STEP = {
+    "cancel",
+    "count_folds",
+    "export_values",
+    "recipe_export",
+    "recipe_import",
+    "recipe_preset",
+}
 # What can be done in a window alone; tests/window does it.
 IN_WINDOWS = {"cancel", "deform_live"}
 

@@ -71,5 +71,5 @@ def caricature(obj: bpy.types.Object, x: int, header: int) -> Steps[None]:
 def first_band(obj: bpy.types.Object) -> float | None:
     """Its value; None without it."""
     keys = obj.data.shape_keys
-    key = None if keys is None else keys.key_blocks.get("M1 Band 1")
+    key = None if keys is None else keys.key_blocks.get("Shape Detail Band 1")
     return None if key is None else key.value

@@ -88,7 +88,7 @@ def messages() -> Steps[None]:
 
     activate(obj)
     bpy.ops.spectral_tv.decompose(bands=4, steps=8)
-    obj.shape_key_remove(obj.data.shape_keys.key_blocks["M1 Band 2"])
+    obj.shape_key_remove(obj.data.shape_keys.key_blocks["Shape Detail Band 2"])
     yield from away()
     yield from picture("message_band_deleted")
     bpy.ops.object.mode_set(mode="EDIT")

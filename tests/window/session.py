@@ -14,6 +14,7 @@ from hold_and_pull import hold_and_pull
 from masks import masks
 from others import others
 from pictures import messages, new_monkey, panels
+from recipes import recipes
 from screen import (
     PICTURES,
     Steps,
@@ -52,6 +53,7 @@ def session() -> Steps[None]:
     yield from others()
     yield from messages()
     yield from sculpt()
+    yield from recipes()
     yield from quit_while_it_runs()
 
 
@@ -194,4 +196,6 @@ def is_running() -> bool:
 
 
 bpy.context.preferences.view.show_splash = False
+addon = bpy.context.preferences.addons["bl_ext.user_default.spectral_tv"]
+addon.preferences.research_tools = True
 run(session())

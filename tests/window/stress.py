@@ -158,7 +158,9 @@ def change_it_meanwhile() -> Steps[None]:
                 change(obj)
             yield from all_ended()
             obj = bpy.data.objects[name]
-        assert "M1 Band 5" in keys(obj) or change is changes.remove_the_keys, change.__name__
+        assert "Shape Detail Band 5" in keys(obj) or change is changes.remove_the_keys, (
+            change.__name__
+        )
         if bpy.context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -204,7 +206,7 @@ def start_another_at_once(window: bpy.types.Window | None = None) -> Steps[None]
     start("decompose", window, method="M1", steps=FEW)
     yield from all_ended()
     assert [name for name in keys(obj) if "Band" in name] == [
-        f"M1 Band {band}" for band in range(1, 6)
+        f"Shape Detail Band {band}" for band in range(1, 6)
     ]
 
 
@@ -226,7 +228,7 @@ def two_windows() -> Steps[None]:
     yield from all_ended()
     start("decompose", second, steps=FEW)
     yield from all_ended()
-    assert "M1 Band 5" in keys(obj)
+    assert "Shape Detail Band 5" in keys(obj)
     before = contents()
     start("decompose", second, method="M2", steps=ENDLESS)
     yield 0.3
@@ -277,7 +279,7 @@ def save_and_reopen() -> Steps[None]:
         start("decompose", steps=FEW)
         bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False)
         yield from all_ended()
-        assert "M1 Band 5" in keys(obj)
+        assert "Shape Detail Band 5" in keys(obj)
         bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False)
         saved = contents()
         for work in ("decompose", "cosegment"):
@@ -295,7 +297,7 @@ def save_and_reopen() -> Steps[None]:
         assert not is_running()
         start("decompose", method="M2", steps=FEW)
         yield from all_ended()
-        assert "M2 Band 5" in keys(bpy.context.object)
+        assert "Limbs and Head Band 5" in keys(bpy.context.object)
 
 
 _counter = count(1)

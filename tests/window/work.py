@@ -37,6 +37,7 @@ SHORT_WORK = {
     "measure_accuracy": {"bands": 3, "steps": FEW},
     "measure_thickness": {},
     "plot_values": {"kind": "GROUP", "source": "Half", "steps": FEW},
+    "recipe": {"recipe": "Stylize"},
     "rig_from_pose": {},
     "test_eigenset": {"group": "Cap"},
 }

@@ -23,7 +23,7 @@ from tqdm import tqdm  # noqa: E402
 from .contact_sheet import Sheet, render  # noqa: E402
 from .creature import creature  # noqa: E402
 from .importing import import_mesh  # noqa: E402
-from .shapes import coordinates  # noqa: E402
+from .shapes import band, coordinates  # noqa: E402
 
 BANDS = 5
 # Method, heading, and the gain at which its bands are shown.
@@ -91,12 +91,12 @@ def install_extension() -> None:
 def sheet(obj: bpy.types.Object, method: str, title: str, gain: float) -> Sheet:
     """Lay out the filters of one method: each band amplified, and each removed."""
     basis = coordinates(obj, "Basis")
-    bands = [coordinates(obj, f"{method} Band {band}") - basis for band in range(1, BANDS + 1)]
+    bands = [band(obj, method, number) - basis for number in range(1, BANDS + 1)]
     amplified = [
-        (f"Band {band} × {gain:g}", basis + (gain - 1) * offset)
-        for band, offset in enumerate(bands, start=1)
+        (f"Band {number} × {gain:g}", basis + (gain - 1) * offset)
+        for number, offset in enumerate(bands, start=1)
     ]
-    removed = [(f"Without band {band}", basis - offset) for band, offset in enumerate(bands, 1)]
+    removed = [(f"Without band {number}", basis - offset) for number, offset in enumerate(bands, 1)]
     low_pass = basis - sum(bands)
     return title, [[("Original", basis), *amplified], [("Low-pass", low_pass), *removed]]
 

@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image
 
 from .contact_sheet import PAPER
-from .shapes import coordinates
+from .shapes import band, coordinates
 from .studio import Studio, temporary_data
 
 SIDE = 300
@@ -49,8 +49,8 @@ def filtered(obj: bpy.types.Object, method: str, gains: tuple[float, ...]) -> np
     """The shape with each band of a method times its gain, (V, 3)."""
     basis = coordinates(obj, "Basis")
     return basis + sum(
-        (gain - 1) * (coordinates(obj, f"{method} Band {band}") - basis)
-        for band, gain in enumerate(gains, start=1)
+        (gain - 1) * (band(obj, method, number) - basis)
+        for number, gain in enumerate(gains, start=1)
     )
 
 

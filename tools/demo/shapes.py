@@ -8,6 +8,9 @@ import bpy
 import numpy as np
 import spectral_tv
 
+# What the bands of methods are called after.
+LABELS = {"M1": "Shape Detail", "M2": "Limbs and Head", "M3": "Edge-Keeping Detail"}
+
 
 def opened(blend: Path) -> tuple[bpy.types.Object, np.ndarray, spectral_tv.Mesh]:
     """The mesh object in a file, its vertices without shape keys, (V, 3), and its surface."""
@@ -17,6 +20,11 @@ def opened(blend: Path) -> tuple[bpy.types.Object, np.ndarray, spectral_tv.Mesh]
     obj.data.calc_loop_triangles()
     triangles = [list(each.vertices) for each in obj.data.loop_triangles]
     return obj, basis, spectral_tv.Mesh(basis, triangles)
+
+
+def band(obj: bpy.types.Object, method: str, number: int) -> np.ndarray:
+    """The shape with a band of a method doubled, (V, 3); bands count from 1, the finest."""
+    return coordinates(obj, f"{LABELS[method]} Band {number}")
 
 
 def coordinates(obj: bpy.types.Object, key: str) -> np.ndarray:

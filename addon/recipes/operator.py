@@ -1,0 +1,52 @@
+"""The operator that makes a recipe of the active object."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ..job.jobs import Seen, all_unchanged
+from ..job.operator import JobOperator
+from ..job.steps import Steps
+from . import own
+from .making import Made, Making
+from .properties import RecipeChoices
+from .recipes import RECIPES
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """The object, and what is made of it."""
+
+    seen: Seen
+    making: Making
+
+
+class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
+    """Decompose the active object and set its bands in one step, by a strength"""
+
+    bl_idname = "spectral_tv.recipe"
+    bl_label = "Recipe"
+    working = "Working on"
+
+    @classmethod
+    def description(cls, _context, properties) -> str:
+        texts = {each.name: each.text for each in RECIPES}
+        return texts.get(properties.recipe, cls.__doc__)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.label(text=bpy.path.display_name(self.recipe, title_case=False))
+        super().draw(context)
+
+    def prepare(self, obj: bpy.types.Object) -> Prepared:
+        asked = self.settings()
+        recipe = own.find(asked.recipe)
+        return Prepared(Seen.of(obj), Making.prepare([obj], recipe, asked.strength))
+
+    def recall(self, prepared: Prepared) -> Made | None:
+        return prepared.making.recall()
+
+    def start(self, prepared: Prepared) -> Steps[Made]:
+        return prepared.making.start()
+
+    def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Made) -> str:
+        return prepared.making.write(all_unchanged([prepared.seen]), result)

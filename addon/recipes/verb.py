@@ -1,0 +1,94 @@
+"""``recipe``: files in, a look in one step out."""
+
+import argparse
+from collections.abc import Sequence
+
+import bpy
+
+from ..bands.shapes import groups
+from ..command_line.frames import all_or_frames, frames_of, treat_frames
+from ..command_line.load import freeze
+from ..command_line.progress import progress
+from ..command_line.verb import Verb
+from ..options.arguments import add_arguments as add_options
+from ..scene.notes import note
+from ..scene.objects import Refusal
+from . import own
+from .making import Making
+from .recipes import RECIPES
+from .settings import RecipeSettings
+
+
+class Recipe(Verb):
+    """Makes a recipe of objects."""
+
+    name = "recipe"
+    summary = "give meshes a look in one step"
+    does, result = "change", "changed"
+    description = f"""\
+Decompose the meshes of files and set their bands in one step, by a strength, and write them.
+
+Recipes: {", ".join(each.name for each in RECIPES)}, those that you kept in Blender, and files
+of recipes. A .blend keeps the bands as shape keys; .glb, .gltf and .fbx carry them too. All other
+formats hold the shape that is seen."""
+    examples = """\
+  blender --command spectral_tv recipe scan.ply -o clean.ply --recipe "Clean Scan"
+  blender --command spectral_tv recipe *.obj -o results --recipe Caricature --strength 0.7
+  blender --command spectral_tv recipe head.blend -o head.glb --recipe mine.json --render results"""
+
+    options = RecipeSettings
+
+    @classmethod
+    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
+        """Declare which recipe, and how strong."""
+        super().add_arguments(parser)
+        add_options(parser, RecipeSettings)
+        parser.add_argument(
+            "--frames",
+            metavar="START-END[:STEP]",
+            type=all_or_frames,
+            help="do so to what is seen in each of these frames, or in all. The file plays them; "
+            "of a format that cannot, there is a file for each",
+        )
+
+    def complaint(self) -> str | None:
+        """What is wrong with them together."""
+        reason = super().complaint()
+        if reason is None:
+            try:
+                own.find(self.asked.recipe)
+            except Refusal as error:
+                return f"--recipe: {error}"
+        return reason
+
+    def treat_all(self, objects: list[bpy.types.Object]) -> None:
+        """Give objects the look; over frames, have them play it."""
+        if self.choices.frames is None:
+            freeze(self.read, "; --frames all takes each as it is seen")
+            self.treat_groups(objects)
+            return
+
+        def treat(copies: list[bpy.types.Object], frame: int) -> None:
+            self.treat_groups(copies, f", frame {frame}")
+
+        treat_frames(objects, frames_of(self.choices.frames, self.read), treat)
+
+    def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
+        """The objects, those together whose open edges meet."""
+        found = groups(objects, own.find(self.asked.recipe).settings)
+        for group in found:
+            if len(group) > 1:
+                names = ", ".join(obj.name for obj in group)
+                note(f"{names} are split as one, as their open edges meet")
+        return found
+
+    def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
+        """Give objects the look."""
+        making = Making.prepare(objects, own.find(self.asked.recipe), self.asked.strength)
+        made = making.recall()
+        if made is None:
+            with progress(label) as show:
+                made = making.start().result(show)
+        making.write(objects, made)
+        if made.told and self.choices.frames is None:
+            note(made.told)
