@@ -57,6 +57,8 @@ def prepare(obj: bpy.types.Object, settings: Settings, is_even: bool = False) ->
             "times": np.linspace(0, ends[1], settings.steps + 1) if is_even else times,
             "operator": settings.law.lower(),
             "exact": settings.is_exact,
+            # The package would take exact steps for sets by itself.
+            **({} if settings.is_exact else {"scheme": spectral_tv.DEFAULTS["scheme"]}),
         },
     )
 

@@ -232,6 +232,7 @@ def start_flow(
     values: ArrayLike,
     times: ArrayLike,
     operator: str,
+    elements: str | None,
     options: Mapping[str, Any],
 ) -> Job[Flow]: ...
 def folds(mesh: Mesh, displacement: ArrayLike, stretch: float) -> Folds: ...

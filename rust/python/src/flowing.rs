@@ -5,8 +5,8 @@ use std::sync::Arc;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{Operator, conformal_mean_curvature_flow_with, flow_with};
+use spectral_tv::discretization::{Discretization, Elements};
+use spectral_tv::flow::{Operator, Scheme, conformal_mean_curvature_flow_with, flow_with};
 use spectral_tv::monitor::Stage;
 use spectral_tv::operators;
 use spectral_tv::solver::Solver;
@@ -18,7 +18,7 @@ use crate::flow::{Flow, Layout};
 use crate::job::{Job, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
-use crate::settings::{named, stepping};
+use crate::settings::{named, named_or_none, stepping};
 
 #[pyfunction]
 pub fn start_flow(
@@ -26,14 +26,26 @@ pub fn start_flow(
     values: &Bound<'_, PyAny>,
     times: &Bound<'_, PyAny>,
     #[pyo3(from_py_with = named)] operator: Operator,
+    #[pyo3(from_py_with = named_or_none)] elements: Option<Elements>,
     options: &Bound<'_, PyDict>,
 ) -> Result<Job, Failure> {
     let (values, is_flat) = arrays::channels("values", values)?;
     let times = arrays::list("times", times)?;
-    let stepping = stepping(options)?;
+    let mut stepping = stepping(options)?;
+    let takes_exact = match options.contains("scheme")? {
+        true => stepping.scheme == Scheme::Exact,
+        false => operator == Operator::TotalVariation,
+    };
+    let elements = elements.unwrap_or_else(|| match takes_exact {
+        true => Elements::suiting(values.view()),
+        false => Elements::Vertices,
+    });
+    if elements == Elements::Edges && takes_exact {
+        stepping.scheme = Scheme::Exact;
+    }
     let mesh = Arc::clone(&mesh.inner);
     let work = move |stage: Stage| {
-        let flow = flow_with(&mesh, values, &times, operator, stepping, stage)?;
+        let flow = flow_with(&mesh, values, &times, operator, elements, stepping, stage)?;
         Ok((flow, operators::invertible_masses(mesh.vertex_areas())))
     };
     Job::start(work, move |py, (trajectory, masses)| {

@@ -31,7 +31,7 @@ impl<'a> ProximalNewton<'a> {
         })
     }
 
-    /// argmin ½‖u − û‖²_M + τ TV(u), to a gap of `tolerance` relative to τ `start`, the TV at
+    /// argmin ½‖u − û‖²_H + τ TV(u), to a gap of `tolerance` relative to τ `start`, the TV at
     /// the start of the step.
     pub fn solve(
         &mut self,
@@ -58,7 +58,7 @@ impl<'a> ProximalNewton<'a> {
                 operators: self.operators,
                 weights: &|norms| variation.weights(norms),
                 least_weight: 0.0,
-                masses: self.operators.masses(),
+                mass: self.operators.mass(),
                 data: &step.data,
                 tau: step.tau,
                 fixed: &[],

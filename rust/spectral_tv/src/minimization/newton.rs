@@ -104,7 +104,14 @@ impl PrimalDualNewton {
         let pattern = energy.operators.pattern();
         let gradient = energy.operators.gradient();
         let system = &mut self.system;
-        stage.pass(|| pattern.assemble(gradient, energy.masses, stiffness, system))?;
+        let (mass, masses) = (energy.mass, energy.mass.diagonal());
+        match mass.is_lumped() {
+            true => stage.pass(|| pattern.assemble(gradient, masses, stiffness, system))?,
+            false => {
+                let both = |face| stiffness(face).map(|entry| entry + mass.off_diagonal(face));
+                stage.pass(|| pattern.assemble(gradient, masses, both, system))?;
+            }
+        }
         pin(energy.fixed, &mut self.system);
         self.cholesky.factorize(&self.system, stage)
     }
@@ -242,8 +249,9 @@ fn apply_hessian(
             };
             [component(0), component(1)]
         });
-        for ((value, mass), flux) in row.iter_mut().zip(energy.masses).zip(flux) {
-            *value = mass * *value + energy.tau * flux;
+        energy.mass.apply(row.view_mut());
+        for (value, flux) in row.iter_mut().zip(flux) {
+            *value += energy.tau * flux;
         }
     }
     energy.clear_fixed(&mut product);
