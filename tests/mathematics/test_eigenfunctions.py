@@ -43,9 +43,7 @@ def test_spectrum_of_the_sphere_is_a_spike(method, rate):
     assert split.spectrum[near].sum() > 0.9 * split.spectrum.sum()
 
 
-def cap_flow(
-    subdivisions: int, angle: float, *, complement: bool = False, elements: str = "edges"
-):
+def cap_flow(subdivisions: int, angle: float, *, complement: bool = False, elements: str = "edges"):
     """The NETV flow of a spherical cap's indicator, with the theory's rate of the jump."""
     vertices, triangles = icosphere(subdivisions)
     mesh = spectral_tv.Mesh(vertices, triangles)

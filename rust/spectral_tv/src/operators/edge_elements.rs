@@ -106,7 +106,7 @@ impl EdgeElements {
     }
 
     /// A function on the vertices, (C, V), for `unknowns` w (C, E), with the same mean: the mean of w
-    /// around each vertex, corrected by [`Corrections`] so that S f leads back to f where neighbours
+    /// around each vertex, corrected with a limiter so that S f leads back to f where neighbours
     /// leave room for it. A vertex without area keeps its value of `before` (C, V).
     pub fn interpolate(&self, unknowns: ArrayView2<f64>, before: ArrayView2<f64>) -> Array2<f64> {
         let mut function = before.to_owned();
