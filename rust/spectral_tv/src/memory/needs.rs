@@ -16,7 +16,7 @@ const BASE: u64 = 500;
 /// The same of the operators of a mesh, which are part of all of these.
 const OPERATORS: u64 = 500;
 /// The same of a flow and of operators on edges.
-const FACTORIZED_ON_EDGES: u64 = 5500;
+const FACTORIZED_ON_EDGES: u64 = 4000;
 const OPERATORS_ON_EDGES: u64 = 1000;
 /// The same of a pose: from 3800 at a million vertices to 5500 at 40 000 were measured.
 const POSED: u64 = 5000;
