@@ -16,6 +16,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 WHEEL_STAMP := dist/.wheel
 EXTENSION_STAMP := dist/.extension
+# On all processors.
+PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal
 
 RUST_SOURCES := Cargo.toml Cargo.lock \
   $(shell find rust/system rust/spectral_tv/src rust/spectral_tv/Cargo.toml rust/python -name '*.rs' -o -name Cargo.toml)
@@ -30,17 +32,17 @@ demo: $(EXTENSION_STAMP)
 	  $(if $(AZIMUTH),--azimuth $(AZIMUTH))
 
 test: lint test-rust $(EXTENSION_STAMP)
-	$(BIN)/python -m pytest tests
+	$(PYTEST) tests
 
 # The parts of that by themselves.
 test-rust:
 	cargo test --workspace --release --quiet
 
 test-package: $(WHEEL_STAMP)
-	$(BIN)/python -m pytest tests --ignore tests/blender
+	$(PYTEST) tests --ignore tests/blender
 
 test-extension: $(EXTENSION_STAMP)
-	$(BIN)/python -m pytest tests/blender
+	$(PYTEST) tests/blender
 
 test-bpy: $(EXTENSION_STAMP)
 	PYTHON=$(PYTHON) tools/test_bpy.sh

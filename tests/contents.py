@@ -62,7 +62,25 @@ def _object(obj: bpy.types.Object) -> dict[str, Any]:
     if obj.type == "MESH":
         found["active key"] = obj.active_shape_key_index
         found["groups"] = [group.name for group in obj.vertex_groups]
+        found["work"] = values(obj.spectral_tv_work)
+        found["levels"] = [_levels(obj, each) for each in obj.modifiers if each.type == "MULTIRES"]
     return found
+
+
+def _levels(obj: bpy.types.Object, modifier: bpy.types.MultiresModifier) -> tuple[Any, ...]:
+    """The levels of a sculpt, and the top one without what else the object has."""
+    probe = obj.copy()
+    probe.animation_data_clear()
+    for other in [each for each in probe.modifiers if each.name != modifier.name]:
+        probe.modifiers.remove(other)
+    probe.modifiers[0].levels = modifier.total_levels
+    probe.show_only_shape_key, probe.active_shape_key_index = True, 0
+    bpy.context.scene.collection.objects.link(probe)
+    top = probe.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    shape = _flat(top.vertices, "co", 3 * len(top.vertices))
+    bpy.data.objects.remove(probe)
+    shown = modifier.levels, modifier.sculpt_levels, modifier.render_levels
+    return (*shown, modifier.total_levels, shape)
 
 
 def _bone(posed: bpy.types.PoseBone) -> tuple[Any, ...]:
@@ -102,7 +120,7 @@ def values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
     """The properties of a group and of the groups in it, but for arbitrary identifiers."""
     found = {}
     for name, declared in group.bl_rna.properties.items():
-        if name in ("rna_type", "bl_rna", "identifier"):
+        if name in ("rna_type", "bl_rna", "identifier", "mark"):
             continue
         value = getattr(group, name)
         if declared.type == "COLLECTION":

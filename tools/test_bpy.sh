@@ -10,30 +10,50 @@ status = pytest.main(sys.argv[1:])
 sys.stdout.flush()
 os._exit(status)'
 
-# test_in PYTHON ITS_VERSION BPY_VERSION REQUIREMENT…
-test_in() {
-  local packages=.build/bpy-$3
-  local requirements="bpy==$3 pytest>=9 openexr>=3.3 pillow>=10.1 pypng tifffile ${*:4}"
+# install ITS_VERSION BPY_VERSION REQUIREMENT…
+install() {
+  local packages=.build/bpy-$2
+  local requirements="bpy==$2 pytest>=9 openexr>=3.3 pillow>=10.1 pypng tifffile ${*:3}"
   if [[ ! -f $packages/.installed || $(<"$packages/.installed") != "$requirements" ]]; then
     rm -rf "$packages"
     # shellcheck disable=SC2086  # a list of words
     .venv/bin/python -m pip install --quiet --no-warn-conflicts --target "$packages" \
-      --python-version "$2" --only-binary :all: $requirements
+      --python-version "$1" --only-binary :all: $requirements
     echo "$requirements" >"$packages/.installed"
   fi
-  echo "bpy $3:"
+}
+
+# test_in PYTHON BPY_VERSION: what it prints goes to a file.
+test_in() {
   # The tools take packages of the development's environment.
   # shellcheck disable=SC2086  # a command line
-  PYTHONPATH=$packages PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $1 -s -c "$run_pytest" \
+  PYTHONPATH=.build/bpy-$2 PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $1 -s -c "$run_pytest" \
     -m "not executable" --ignore tests/blender/test_bench_posing.py \
-    --ignore tests/blender/test_limb_turns.py tests/blender
+    --ignore tests/blender/test_limb_turns.py tests/blender >".build/bpy-$2.txt" 2>&1
 }
 
 python=${PYTHON:-python3.11}
-test_in "$python" 3.11 4.2.23 numpy==1.24.3 # the NumPy that Blender 4.2 comes with
-test_in "$python" 3.11 4.5.15
-if [[ -n ${PYTHON_3_13:-} ]] || python3.13 --version >/dev/null 2>&1; then
-  test_in "${PYTHON_3_13:-python3.13}" 3.13 5.2.3
+newer=${PYTHON_3_13:-python3.13}
+install 3.11 4.2.23 numpy==1.24.3 # the NumPy that Blender 4.2 comes with
+install 3.11 4.5.15
+trap 'kill $(jobs -p) 2>/dev/null' EXIT
+declare -A runs
+test_in "$python" 4.2.23 &
+runs[4.2.23]=$!
+test_in "$python" 4.5.15 &
+runs[4.5.15]=$!
+# shellcheck disable=SC2086  # a command line
+if $newer --version >/dev/null 2>&1; then
+  install 3.13 5.2.3
+  test_in "$newer" 5.2.3 &
+  runs[5.2.3]=$!
 else
   echo "bpy 5.2 is skipped: there is no python3.13, and PYTHON_3_13 names none"
 fi
+status=0
+for version in "${!runs[@]}"; do
+  wait "${runs[$version]}" || status=1
+  echo "bpy $version:"
+  cat ".build/bpy-$version.txt"
+done
+exit $status

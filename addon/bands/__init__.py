@@ -10,12 +10,17 @@ from . import (
     decompose,
     decompose_panel,
     limbs,
+    list_operators,
+    list_panel,
     live_guard,
+    multires_panel,
     properties,
     set_bands,
     spectrum,
     take_bands,
     verb,
+    work_object,
+    write_back,
 )
 
 FILES = (
@@ -28,7 +33,12 @@ FILES = (
     apply_modifier,
     bake_safe,
     live_guard,
+    work_object,
+    write_back,
+    list_operators,
+    list_panel,
     decompose_panel,
+    multires_panel,
     bands_panel,
     caricature,
 )

@@ -8,9 +8,9 @@ from ..scene import mix
 from ..scene.applying import FOLLOWERS
 from ..scene.keeping import Band
 from ..scene.look import become
-from ..scene.notes import note
+from ..scene.notes import listed, note
 from ..scene.objects import Refusal, take_place
-from ..scene.records import bands_of, forget, keeping_of, record_of
+from ..scene.records import all_bands_of, forget, keeping_of, record_of, records_of
 from .set_bands import BandsOperator, bands_refusal
 
 PLACES = (
@@ -20,8 +20,8 @@ PLACES = (
 
 
 class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
-    """Make the mix of the bands the shape of the mesh, and remove the bands. Other shape keys,
-    masks, drivers, UV maps, vertex groups and modifiers stay"""
+    """Make the mix of the bands of all decompositions the shape of the mesh, and remove them. Other
+    shape keys, masks, drivers, UV maps, vertex groups and modifiers stay"""
 
     bl_idname = "spectral_tv.apply_look"
     bl_label = "Apply Look"
@@ -41,9 +41,9 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
         return cls.__doc__.replace("of the mesh", f"of the mesh{copied}")
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
-        bands = _bands(obj)
+        bands = all_bands_of(obj)
         _note_animated(obj, bands)
-        # What the bands do now, masks and mutes included.
+        # What the bands of all decompositions do now, masks and mutes included.
         parts = [part.displacement(obj) for part in mix.parts(obj) if part.key in bands]
         if not parts:
             raise Refusal("the bands change nothing at their present values")
@@ -53,8 +53,8 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
             obj = _copied(obj)
         elif len(users) > 1:
             note(f"the mesh is shared: {', '.join(users)} have the shape now")
-        spent = _bands(obj)
-        forget(record_of(obj))
+        spent = all_bands_of(obj)
+        forget(obj.data)
         renewals = [follow(obj) for follow in FOLLOWERS]
         become(obj, displacement, spent)
         for renew in renewals:
@@ -76,18 +76,13 @@ def look_refusal(obj: bpy.types.Object | None) -> str | None:
     return None
 
 
-def _bands(obj: bpy.types.Object) -> list[Band]:
-    """Those that are there."""
-    return [band for band in bands_of(obj) if band is not None]
-
-
 def _note_animated(obj: bpy.types.Object, bands: list[Band]) -> None:
-    animation = keeping_of(record_of(obj)).animation_of
-    moving = [key.name for key in bands if animation(key, "value")]
+    moving = [key.name for key in bands if keeping_of(record_of(obj)).animation_of(key, "value")]
     if moving:
-        note(f"animated, applied as they are on this frame: {', '.join(moving)}")
-    if record_of(obj).solo:
-        note("one band is soloed, and is applied alone")
+        note(f"animated, applied as they are on this frame: {listed(moving)}")
+    for record in records_of(obj):
+        if record.solo:
+            note(f"of {record.name!r} one band is soloed, and is applied alone")
 
 
 def _copied(obj: bpy.types.Object) -> bpy.types.Object:

@@ -23,8 +23,9 @@ class Prepared:
 
 
 class SPECTRAL_TV_OT_bake_safe(JobOperator, choices_of(GuardSettings, "guard"), bpy.types.Operator):
-    """Add the present mix of the bands as one new shape key at value 0. Where bands above 0 would
-    fold or stretch faces, it has less of them. What bands below 0 take away is not clamped"""
+    """Add the present mix of the bands of all decompositions as one new shape key at value 0. Where
+    bands above 0 would fold or stretch faces, it has less of them. What bands below 0 take away is
+    not clamped"""
 
     bl_idname = "spectral_tv.bake_safe"
     bl_label = "Bake Safe"

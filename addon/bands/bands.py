@@ -1,4 +1,4 @@
-"""A decomposition as the bands of an object, and the record that links them."""
+"""Decompositions as bands of objects: prepared, started, remembered, set."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -12,28 +12,24 @@ import spectral_tv
 from ..job.together import Together
 from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
-from ..scene.fingerprints import Likeness
+from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.records import (
-    SpectralTVRecord,
     bands_of,
-    forget_stale,
     keeping_of,
     new_identity,
-    recognise_bands,
+    recognise_all,
     record_of,
+    records_of,
     topology_changed,
 )
 from ..scene.shape_keys import key_shape
 from ..scene.surface import Surface, flattened, shape_of
 from ..scene.weights import group_named
-from . import recut
-from .methods import METHODS
-from .settings import BEFORE, SMOOTHED, Settings
+from .settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
 from .shapes import read_surfaces
-from .solo import end_solo
 
 
 @dataclass(frozen=True)
@@ -99,7 +95,7 @@ def prepare_together(
 
 def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposition | None:
     """The flow of the same surface with the same arguments, if it is in memory."""
-    source = _source(surface, arguments)
+    source = source_of(surface, arguments)
     return next((flow.split for flow in flows.values() if flow.source == source), None)
 
 
@@ -114,34 +110,11 @@ def start_split(
     return Together(decomposing, spectral_tv.start_thickness(mesh))
 
 
-def add_bands(
-    obj: bpy.types.Object,
-    settings: Settings,
-    surface: Surface,
-    arguments: dict[str, Any],
-    split: spectral_tv.Decomposition,
-) -> list[str]:
-    """Write a decomposition as bands, remember it, and return the bands' names.
-
-    Those of an earlier decomposition stay, but are no longer bands.
-    """
-    edges = split.band_edges(settings.band_count)
-    flow = Flow(split, surface, _source(surface, arguments))
-    record = obj.data.spectral_tv.decomposition
-    bands = _add(obj, record, settings, edges, flow)
-    for band in bands:
-        band.vertex_group = settings.vertex_group
-    record.method, record.settings = settings.method, settings.text()
-    record.solo, record.area = 0, surface.mesh.area
-    new_identity(obj, record)
-    record.keep_spectrum(split.times[1:-1], split.spectrum)
-    names = [band.name for band in bands]
-    _record_bands(obj, record, names, names, edges)
-    flows[record.identifier] = flow
+def keep_flow(identifier: str, flow: Flow) -> None:
+    """Remember a flow, and let go of the oldest one if there are too many."""
+    flows[identifier] = flow
     while len({id(kept.split) for kept in flows.values()}) > MOST_FLOWS:
         del flows[next(iter(flows))]
-    forget_stale()
-    return names
 
 
 def flow_of(obj: bpy.types.Object) -> Flow:
@@ -157,41 +130,6 @@ def flow_of(obj: bpy.types.Object) -> Flow:
     return flows[record.identifier]
 
 
-def cut_again(obj: bpy.types.Object, count: int, keep_limbs: float | None = None) -> list[str]:
-    """Cut the remembered flow into ``count`` bands that take the place of the present ones.
-
-    What was set of these goes over, see :mod:`recut`; those that were sculpted since stay, muted.
-    As much of limbs is kept as before, if nothing else is asked for. Raises Refusal as `flow_of`.
-    """
-    record, flow = record_of(obj), flow_of(obj)
-    settings = settings_of(record)
-    if keep_limbs is not None:
-        settings = replace(settings, keep_limbs=keep_limbs)
-    edges = flow.split.band_edges(count)
-    new = _add(obj, record, settings, edges, flow)
-    end_solo(obj)
-    there = keeping_of(record).all(obj.data)
-    usual = _names(record.method, len(record.bands))
-    old = []
-    for band, (name, likeness), own in zip(record.bands, recognise_bands(obj), usual, strict=True):
-        is_changed = likeness == Likeness.CHANGED
-        if is_changed:
-            note(f"{name!r} was sculpted since; it stays, muted, and is no longer a band")
-        # Files of 0.1.0 do not tell what a band was called.
-        old.append(recut.Former(there[name] if name else None, is_changed, band.given or own))
-    former = [(band.start, band.end) for band in record.bands]
-    overlap = recut.Overlap.of(former, [*pairwise(edges)], flow.split.times[1:-1])
-    if all(each.band is None for each in old):
-        for band in new:
-            band.vertex_group = settings.vertex_group
-    wanted = _names(record.method, count)
-    change = recut.Recut(obj, keeping_of(record), old, new, wanted, overlap)
-    names, given = change.take_place()
-    record.settings = settings.text()
-    _record_bands(obj, record, names, given, edges)
-    return names
-
-
 def settings_of(record: SpectralTVRecord) -> Settings:
     """What the bands were made by."""
     if not record.settings:  # of 0.1.0
@@ -202,20 +140,22 @@ def settings_of(record: SpectralTVRecord) -> Settings:
 def settings_as_taken(record: SpectralTVRecord) -> Settings:
     """The settings of a record, with the numbers of bands and steps that were in fact taken.
 
-    If modifiers were applied, the object that has the bands is the shape that they showed.
+    If the bands were made on a new object, that is the shape that was decomposed.
     """
     taken = settings_of(record)
-    shape = "BASIS" if taken.shape == "APPLIED" else taken.shape
+    shape = "BASIS" if taken.shape in ON_NEW_OBJECT else taken.shape
     steps = len(record.kept_spectrum) + 1
     return replace(taken, bands=len(record.bands), steps=steps, accuracy=0.0, shape=shape)
 
 
-def set_values(obj: bpy.types.Object, values: list[float]) -> None:
-    """Set the values of the bands, except of those whose key was deleted.
+def set_values(
+    obj: bpy.types.Object, values: list[float], record: SpectralTVRecord | None = None
+) -> None:
+    """Set the values of the bands of a decomposition, except of those whose key was deleted.
 
-    What keeps the bands from being seen is noted.
+    That is the active one if none is named. What keeps the bands from being seen is noted.
     """
-    bands = bands_of(obj)
+    bands = bands_of(obj, record)
     pairs = [(key, value) for key, value in zip(bands, values, strict=True) if key is not None]
     _note_unseen(obj, [key for key, value in pairs if value != key.value])
     cut = []
@@ -249,20 +189,23 @@ def _note_unseen(obj: bpy.types.Object, bands: list[Band]) -> None:
 
 
 def follow(obj: bpy.types.Object) -> Callable[[], None]:
-    """Note which bands there are; calling the result has the record follow them to a new topology.
+    """Note which bands there are; calling the result has the records follow them to a new topology.
 
-    The flow belongs to the former vertices and faces, so the record loses it.
+    Flows belong to the former vertices and faces, so the records lose them.
     """
-    if record_of(obj) is None or topology_changed(obj):
-        return lambda: None
-    names = [name for name, _ in recognise_bands(obj)]
+    followed = [
+        [name for name, _ in likes] if not topology_changed(obj, record) else None
+        for record, likes in recognise_all(obj)
+    ]
 
     def renew() -> None:
-        record = record_of(obj)
-        new_identity(obj, record)
-        for band, name in zip(record.bands, names, strict=True):
-            if name:
-                band.take(obj, keeping_of(record).written, name)
+        for record, names in zip(records_of(obj), followed, strict=True):
+            if names is None:
+                continue
+            new_identity(obj, record)
+            for band, name in zip(record.bands, names, strict=True):
+                if name:
+                    band.take(obj, keeping_of(record).written, name)
 
     return renew
 
@@ -270,16 +213,12 @@ def follow(obj: bpy.types.Object) -> Callable[[], None]:
 FOLLOWERS.append(follow)
 
 
-def _source(surface: Surface, arguments: dict[str, Any]) -> str:
+def source_of(surface: Surface, arguments: dict[str, Any]) -> str:
     """Digest of all that a flow depends on."""
     parts = [surface.mesh.vertices, surface.mesh.triangles]
     for name, value in sorted(arguments.items()):
         parts += [np.frombuffer(name.encode(), dtype=np.uint8), np.asarray(value)]
     return digest(*parts)
-
-
-def _names(method: str, count: int) -> list[str]:
-    return [f"{METHODS[method].key_label} Band {band + 1}" for band in range(count)]
 
 
 def displacements(flow: Flow, edges: np.ndarray, keep_limbs: float) -> Iterator[np.ndarray]:
@@ -289,31 +228,3 @@ def displacements(flow: Flow, edges: np.ndarray, keep_limbs: float) -> Iterator[
     for some in pairwise(edges) if is_large else (edges,):
         for band in flow.split.bands(np.array(some), keep_limbs):
             yield flow.surface.to_object(band[np.newaxis])[0]
-
-
-def _add(
-    obj: bpy.types.Object,
-    record: SpectralTVRecord,
-    settings: Settings,
-    edges: np.ndarray,
-    flow: Flow,
-) -> list[Band]:
-    """Add the bands between ``edges``."""
-    names = _names(settings.method, len(edges) - 1)
-    found = displacements(flow, edges, settings.limbs_kept)
-    return keeping_of(record).add(obj, names, found)
-
-
-def _record_bands(
-    obj: bpy.types.Object,
-    record: SpectralTVRecord,
-    names: list[str],
-    given: list[str],
-    edges: np.ndarray,
-) -> None:
-    """Link a record to the bands between ``edges``, and to the names that they were given."""
-    record.bands.clear()
-    for name, first, (start, end) in zip(names, given, pairwise(edges), strict=True):
-        band = record.bands.add()
-        band.take(obj, keeping_of(record).written, name)
-        band.given, band.start, band.end = first, start, end

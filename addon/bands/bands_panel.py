@@ -5,8 +5,9 @@ import math
 import bpy
 
 from ..drawing.sidebar import Sidebar, say
-from ..scene.records import SpectralTVRecord, bands_shown, record_of, topology_changed
-from . import filter_curve, live_guard, spectrum
+from ..scene.decomposition import SpectralTVRecord
+from ..scene.records import bands_shown, record_of, records_of, topology_changed
+from . import filter_curve, list_panel, live_guard, spectrum
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
@@ -42,6 +43,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
         record = record_of(obj)
+        list_panel.draw(layout, context)
         if topology_changed(obj):
             text = "Vertices or faces changed since. Decompose the mesh again"
             say(layout, context, text, "ERROR")
@@ -123,11 +125,17 @@ class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
         row.prop(settings, "last")
         layout.prop(settings, "amount")
         grid = layout.grid_flow(columns=2, row_major=True, align=True, even_columns=True)
+        several = len(records_of(context.active_object)) > 1
         for name, label, _ in PRESETS:
-            operator = grid.operator(operators.SPECTRAL_TV_OT_filter.bl_idname, text=label)
+            text = "Reset All" if several and name == "RESET" else label
+            operator = grid.operator(operators.SPECTRAL_TV_OT_filter.bl_idname, text=text)
             operator.preset = name
             operator.first, operator.last = settings.chosen(name)
             operator.amount = settings.amount
+        if several:
+            text = f"Reset {record_of(context.active_object).name} Alone"
+            reset = layout.operator(operators.SPECTRAL_TV_OT_filter.bl_idname, text=text)
+            reset.preset, reset.every = "RESET", False
         take = layout.operator(SPECTRAL_TV_OT_take_bands.bl_idname, icon="IMPORT")
         take.first, take.last = settings.first, settings.last
 

@@ -16,11 +16,12 @@ from ..options.properties import choices_of
 from ..scene.notes import about, note
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
-from ..scene.whole import whole
-from .bands import add_bands, prepare, recall, set_values, start_split
+from .adding import Part, add_bands
+from .bands import prepare, recall, set_values, start_split
 from .gains import caricature_values
 from .methods import METHODS, OF_THE_PAPER
-from .settings import STEPS, Settings
+from .replacing import check_replaced, replaced_identifiers
+from .settings import INTO, INTO_TEXT, STEPS, Settings
 
 LIMBS = options_of(Settings)["keep_limbs"]
 # How much of limbs is kept, relative to what the method does: limbs are part of a caricature.
@@ -54,11 +55,12 @@ class CaricatureSettings:
         "Smooth",
         "So many of the finest bands are removed; 0 keeps the skin", 1, 0, None, place="amount"
     )  # fmt: skip
+    into: str = choice("Former Bands", INTO_TEXT, INTO, argument="")
 
     def of_bands(self) -> Settings:
         """What the bands are made by."""
         keep_limbs = in_force(self)["keep_limbs"]
-        return Settings(self.method, self.bands, self.steps, keep_limbs=keep_limbs)
+        return Settings(self.method, self.bands, self.steps, keep_limbs=keep_limbs, into=self.into)
 
 
 CaricatureChoices = choices_of(CaricatureSettings, "method", "range", "amount")
@@ -77,6 +79,8 @@ class Pose:
     seen: Seen
     surface: Surface
     arguments: dict[str, Any]
+    # Of the decomposition whose place the new one will take.
+    former: str
 
 
 class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operator):
@@ -90,9 +94,13 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
     def prepare(self, _obj: bpy.types.Object) -> list[Pose]:
         if self.smooth >= self.bands:
             raise Refusal(f"smoothing {self.smooth} of {self.bands} bands leaves none")
-        return read_each(
-            bpy.context, lambda obj: Pose(Seen.of(obj), *prepare(obj, self.settings().of_bands()))
-        )
+        settings = self.settings().of_bands()
+
+        def read(obj: bpy.types.Object) -> Pose:
+            (former,) = replaced_identifiers([obj], settings)
+            return Pose(Seen.of(obj), *prepare(obj, settings), former)
+
+        return read_each(bpy.context, read)
 
     def recall(self, prepared: list[Pose]) -> list[spectral_tv.Decomposition] | None:
         splits = [recall(pose.surface, pose.arguments) for pose in prepared]
@@ -119,14 +127,22 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
             note("the filter changes nothing: the amount is 0, and no band is smoothed")
         objects, skipped = unchanged([pose.seen for pose in prepared])
         there = [obj for obj in objects if obj is not None]
-        with whole(*there):
-            for obj, pose, split in zip(objects, prepared, result, strict=True):
-                if obj is not None:
-                    add_bands(obj, settings, pose.surface, pose.arguments, split)
+        rows = [*zip(objects, prepared, result, strict=True)]
+        parts = [
+            Part(obj, pose.surface, pose.arguments, split)
+            for obj, pose, split in rows
+            if obj is not None
+        ]
+        former = [pose.former for obj, pose, _ in rows if obj is not None]
+        check_replaced(there, settings, former)
+        if parts:
+            add_bands(parts, settings)
         for obj in there:
             with about(obj.name):
                 set_values(obj, values)
         done = f"{self.bands} bands of {self.method} exaggerated alike in {len(there)} meshes"
+        if any(former):
+            done += ", in the place of their former bands"
         return done + skipped
 
 

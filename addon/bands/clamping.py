@@ -12,7 +12,7 @@ from ..job.steps import Steps, in_turn
 from ..options.declaring import number
 from ..scene import mix
 from ..scene.notes import note
-from ..scene.records import bands_of, record_of
+from ..scene.records import all_bands_of, bands_of, record_of
 from ..scene.shape_keys import add_displacements
 from ..scene.surface import Reading, Surface, moves_of
 from ..scene.whole import whole
@@ -45,9 +45,9 @@ class Mix:
     added: np.ndarray
 
     @classmethod
-    def of(cls, obj: bpy.types.Object) -> "Mix":
-        """Read the bands."""
-        bands = [key for key in bands_of(obj) if key is not None]
+    def of(cls, obj: bpy.types.Object, every: bool) -> "Mix":
+        """Read the bands of every decomposition, or of the active one."""
+        bands = all_bands_of(obj) if every else [key for key in bands_of(obj) if key is not None]
         shape = mix.shown(obj, without=bands)
         taken, added = np.zeros((2, *shape.shape))
         for part in mix.parts(obj):
@@ -81,12 +81,14 @@ class Clamping:
     added: np.ndarray = field(repr=False)
 
     @classmethod
-    def read(cls, objects: Sequence[bpy.types.Object], settings: GuardSettings) -> "Clamping":
-        """Read objects with bands.
+    def read(
+        cls, objects: Sequence[bpy.types.Object], settings: GuardSettings, every: bool = True
+    ) -> "Clamping":
+        """Read objects with bands, of every decomposition or of the active ones.
 
         Raises Refusal or spectral_tv.MeshError if one cannot be read.
         """
-        mixes = [Mix.of(obj) for obj in objects]
+        mixes = [Mix.of(obj, every) for obj in objects]
         made_by = settings_of(record_of(objects[0]))
         shapes = [each.shape + each.taken for each in mixes]
         reading = Reading(made_by.weld, made_by.leaves_out)

@@ -1,5 +1,6 @@
 """The operator that splits the active mesh into bands."""
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,13 +11,14 @@ from bpy.props import BoolProperty
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..job.together import Together
-from ..scene import applied
-from ..scene.notes import note
-from ..scene.objects import Refusal, distinct_meshes, take_place
+from ..scene.objects import distinct_meshes
 from ..scene.surface import Surface
-from ..scene.whole import whole
-from .bands import add_bands, prepare_together, recall, start_split
+from . import shown_shape
+from .adding import Part, add_bands
+from .bands import prepare_together, recall, start_split
 from .properties import DecompositionChoices
+from .replacing import check_replaced, replaced_identifiers
+from .settings import ON_NEW_OBJECT
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,8 @@ class Prepared:
     seen: list[Seen]
     surfaces: list[Surface]
     arguments: dict[str, Any]
+    # Of the decompositions whose place the new ones will take.
+    former: list[str]
 
 
 class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Operator):
@@ -44,7 +48,8 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         objects = distinct_meshes(bpy.context) if self.together else [obj]
         seen = [Seen.of(each) for each in objects]
-        return Prepared(seen, *prepare_together(objects, self.settings()))
+        former = replaced_identifiers(objects, self.settings())
+        return Prepared(seen, *prepare_together(objects, self.settings()), former)
 
     def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
         return recall(prepared.surfaces[0], prepared.arguments)
@@ -56,22 +61,12 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
         self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
     ) -> str:
         objects = all_unchanged(prepared.seen)
-        if self.shape == "APPLIED":
-            objects = [_applied(objects[0], prepared.surfaces[0])]
-        with whole(*objects):
-            for obj, surface in zip(objects, prepared.surfaces, strict=True):
-                names = add_bands(obj, self.settings(), surface, prepared.arguments, result)
-        bands = "1 band" if len(names) == 1 else f"{len(names)} bands"
-        as_one = f" to {len(objects)} objects as one" if len(objects) > 1 else ""
-        return f"{bands} of {self.settings().by.key_label} added{as_one}"
-
-
-def _applied(obj: bpy.types.Object, surface: Surface) -> bpy.types.Object:
-    """The object with the modifiers of ``obj`` applied that takes its place; now the active one."""
-    copy = applied.copy_of(obj)
-    if len(copy.data.vertices) != len(surface.place):
-        bpy.data.meshes.remove(copy.data)
-        raise Refusal("nothing was written, as what its modifiers show changed in the meantime")
-    take_place(copy, obj)
-    note(f"the bands are on {copy.name!r}, with its modifiers applied; {obj.name!r} is hidden")
-    return copy
+        check_replaced(objects, self.settings(), prepared.former)
+        with ExitStack() as stack:
+            if self.shape in ON_NEW_OBJECT:
+                first = objects[0], self.shape, prepared.surfaces[0]
+                objects = [stack.enter_context(shown_shape.in_the_place_of(*first))]
+            pairs = zip(objects, prepared.surfaces, strict=True)
+            parts = [Part(*pair, prepared.arguments, result) for pair in pairs]
+            as_one = f", in {len(objects)} objects as one" if len(objects) > 1 else ""
+            return add_bands(parts, self.settings()) + as_one

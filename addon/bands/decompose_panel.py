@@ -6,9 +6,12 @@ from ..drawing.sidebar import Sidebar, say
 from ..drawing.work import WorkPanel, draw_button, draw_fault, draw_needs
 from ..job import jobs
 from ..options import rows
-from ..scene.objects import refusal, selected_meshes
+from ..scene.modifiers import between
+from ..scene.objects import is_mesh, refusal, selected_meshes
+from ..scene.records import record_of
 from .decompose import SPECTRAL_TV_OT_decompose
-from .shapes import remarks
+from .replacing import replaced, replaced_bands, why_not
+from .shapes import remarks, vertex_count
 
 
 class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
@@ -32,9 +35,10 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
         draw_fault(layout, context)
         if reason is None:
             settings = choices.settings()
-            for text in remarks(obj, settings):
+            for text in remarks(obj, settings, replaced_bands(obj, settings)):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
-            draw_needs(layout, context, settings.needs(len(obj.data.vertices)))
+            draw_needs(layout, context, settings.needs(vertex_count(obj, settings)))
+            draw_into(layout, context, choices)
         draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
         if reason is None and len(selected_meshes(context)) > 1:
             together = draw_button(
@@ -46,6 +50,24 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
                 text="Selected as One",
             )
             together.together = True
+
+
+def draw_into(
+    layout: bpy.types.UILayout, context: bpy.types.Context, choices: bpy.types.PropertyGroup
+) -> None:
+    """Draw what becomes of the bands that there are, if there are any."""
+    obj, settings = context.active_object, choices.settings()
+    active = record_of(obj)
+    if active is None:
+        return
+    row = layout.row()
+    row.use_property_split = False
+    row.prop(choices, "into", expand=True)
+    record = replaced(obj, settings)
+    if record is not None:
+        say(layout, context, f"Replaces {record.name}; look kept", "INFO")
+    elif settings.into == "REPLACE":
+        say(layout, context, f"Added, as {active.name} is {why_not(obj, settings)}", "INFO")
 
 
 class PartPanel(Sidebar):
@@ -68,6 +90,13 @@ class SPECTRAL_TV_PT_shape(PartPanel, bpy.types.Panel):
 
     bl_label = "Shape"
     place = "shape"
+
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        super().rows(context, layout)
+        obj = context.active_object
+        names = between(obj) if is_mesh(obj) else []
+        if names:
+            say(layout, context, f"Shown with {', '.join(names)}", "MODIFIER")
 
 
 class SPECTRAL_TV_PT_scales(PartPanel, bpy.types.Panel):

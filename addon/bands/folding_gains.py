@@ -64,7 +64,7 @@ class FoldingGains:
 
     def _clamp(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         with gathered() as left:
-            clamping = Clamping.read(objects, GuardSettings())
+            clamping = Clamping.read(objects, GuardSettings(), every=False)
             with progress(f"{label}, clamping") as show:
                 result = clamping.start().result(show)
             keys, done = clamping.write(objects, result)

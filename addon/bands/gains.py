@@ -8,7 +8,7 @@ PRESETS = (
     ("BAND_PASS", "Band-Pass", "Remove all bands but the chosen ones"),
     ("BAND_STOP", "Band-Stop", "Remove the chosen bands"),
     ("EXAGGERATE", "Exaggerate", "Amplify the chosen bands by the amount"),
-    ("RESET", "Reset", "Set every band back to its original strength"),
+    ("RESET", "Reset", "Set every band of every decomposition back to its original strength"),
 )
 
 

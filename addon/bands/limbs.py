@@ -9,6 +9,7 @@ from bpy.props import FloatProperty
 from ..options.declaring import options_of
 from ..scene.fingerprints import Likeness
 from ..scene.notes import note
+from ..scene.objects import user_of
 from ..scene.records import keeping_of, recognise_bands, record_of
 from .bands import Flow, displacements, flow_of, flows, settings_of
 from .set_bands import cut_refusal
@@ -23,11 +24,11 @@ class SpectralTVLimbs(bpy.types.PropertyGroup):
     owner = bpy.types.Mesh, "spectral_tv_limbs"
 
     def _get(self) -> float:
-        obj = _user(self.id_data)
+        obj = user_of(self.id_data)
         return 0.0 if record_of(obj) is None else settings_of(record_of(obj)).limbs_kept
 
     def _set(self, amount: float) -> None:
-        obj = _user(self.id_data)
+        obj = user_of(self.id_data)
         reason = cut_refusal(obj)
         if reason is None:
             keep_limbs(obj, amount)
@@ -56,7 +57,7 @@ def keep_limbs(obj: bpy.types.Object, amount: float) -> None:
     own = flow_of(obj)
     _keep_limbs(obj, own, amount)
     for mesh in {other.data for other in bpy.data.objects if record_of(other) is not None}:
-        other = _user(mesh)
+        other = user_of(mesh)
         identifier = record_of(other).identifier
         is_other = identifier in flows and identifier != record_of(obj).identifier
         if is_other and flows[identifier].surface.mesh is own.surface.mesh:
@@ -80,11 +81,3 @@ def _keep_limbs(obj: bpy.types.Object, flow: Flow, amount: float) -> None:
             keeping.set(obj, there[name], displacement)
             band.take(obj, keeping.written, name)
     record.settings = replace(settings_of(record), keep_limbs=amount).text()
-
-
-def _user(mesh: bpy.types.Mesh) -> bpy.types.Object | None:
-    """An object that has a mesh, the active one if it does."""
-    active = bpy.context.active_object
-    if active is not None and active.data == mesh:
-        return active
-    return next((obj for obj in bpy.data.objects if obj.data == mesh), None)

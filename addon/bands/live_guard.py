@@ -1,6 +1,7 @@
-"""The line under the sliders of the bands: how many faces fold and stretch as they are turned."""
+"""The line under the sliders: how many faces the bands of all decompositions fold and stretch."""
 
 from dataclasses import dataclass
+from itertools import chain
 
 import bpy
 import spectral_tv
@@ -9,7 +10,7 @@ from ..drawing.sidebar import say
 from ..job.operator import Refusing
 from ..scene import listening
 from ..scene.mix import keys_of
-from ..scene.records import bands_shown
+from ..scene.records import bands_shown, records_of
 from .guard import Counts, Reference, distortion
 from .set_bands import bands_refusal
 
@@ -160,7 +161,9 @@ def _distrust(*_arguments: object) -> None:
 
 
 def _bands(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
-    return [key for key in bands_shown(obj) if key is not None]
+    """Those of all decompositions, as all of them are seen."""
+    found = (bands_shown(obj, record) for record in records_of(obj))
+    return [key for key in chain.from_iterable(found) if key is not None]
 
 
 def _triangles(mesh: bpy.types.Mesh) -> int:
@@ -170,7 +173,7 @@ def _triangles(mesh: bpy.types.Mesh) -> int:
 def _sliders(mesh: bpy.types.Mesh) -> tuple:
     """What is changed by turning a slider of the panel, or by pressing something beside it."""
     keys = tuple((key.name, key.value, key.mute) for key in keys_of(mesh).values())
-    return mesh.spectral_tv.decomposition.settings, keys
+    return tuple(record.settings for record in mesh.spectral_tv.decompositions), keys
 
 
 def _question(obj: bpy.types.Object) -> tuple:

@@ -5,71 +5,23 @@ the mean of this filter over its components. All components have the same weight
 equal numbers of components.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
-from ..scene.channels import Animated, actions_of
+from ..scene.channels import Animated, own_actions
 from ..scene.curve_sums import Term, total
 from ..scene.drivers import copy_driver, retarget_drivers, same_driver
 from ..scene.fcurves import Point, add_curve, make_keyframes, same_modifiers
 from ..scene.keeping import Band, Keeping
 from ..scene.names import free_name
 from ..scene.notes import note
+from .overlap import Overlap
 
-# Edges are kept in single precision.
-ROUNDING = 1e-6
 # By how much values of bands may differ untold.
 VISIBLE = 1e-3
-
-
-@dataclass(frozen=True)
-class Overlap:
-    """How many components new bands (J,) share with old ones (I,): ``counts`` (J, I).
-
-    ``sizes`` (J,) are the numbers of components of the new ones, also of those in no old band.
-    """
-
-    counts: np.ndarray
-    sizes: np.ndarray
-
-    @classmethod
-    def of(
-        cls,
-        old: Sequence[tuple[float, float]],
-        new: Sequence[tuple[float, float]],
-        times: np.ndarray,
-    ) -> "Overlap":
-        """That of bands between two times each; ``times`` (N,) are those of the components."""
-        before, after = (_members(bands, times).astype(int) for bands in (old, new))
-        return cls(after @ before.T, after.sum(axis=1))
-
-    @property
-    def parts(self) -> np.ndarray:
-        """Which part of every new band lies in every old one, (J, I)."""
-        return self.counts / np.maximum(self.sizes, 1)[:, np.newaxis]
-
-    def successor(self, old: int) -> int | None:
-        """The new band that holds most of an old one."""
-        column = self.counts[:, old]
-        return int(column.argmax()) if column.any() else None
-
-    def equal(self, new: int) -> int | None:
-        """The old band that holds just the components of a new one, if there is one."""
-        row = self.counts[new]
-        old = int(row.argmax())
-        is_all = row[old] == self.sizes[new] == self.counts[:, old].sum() > 0
-        return old if is_all else None
-
-
-def _members(bands: Sequence[tuple[float, float]], times: np.ndarray) -> np.ndarray:
-    """Which components each band holds, (K, N)."""
-    starts = np.array([start for start, _ in bands]) * (1 - ROUNDING)
-    band = np.searchsorted(starts, times, side="right") - 1
-    inside = times < bands[-1][1] * (1 + ROUNDING)
-    return (band == np.arange(len(bands))[:, np.newaxis]) & inside
 
 
 @dataclass(frozen=True)
@@ -83,12 +35,17 @@ class Former:
     stays: bool
     given: str
 
+    @property
+    def is_renamed(self) -> bool:
+        """Whether it has a name that the user gave it."""
+        return self.band is not None and self.band.name != self.given
+
 
 class Recut:
     """New bands in the place of old ones.
 
-    A new band with the same components as an old one gets that one's name. Others get those of
-    ``names``, if they are free.
+    A new band with the same components as one that the user renamed gets that name. Others get
+    those of ``names``, if they are free.
     """
 
     def __init__(
@@ -109,7 +66,7 @@ class Recut:
         equals = [overlap.equal(band) for band in range(len(new))]
         self.twins = [None if equal is None else former[equal] for equal in equals]
         self.names = [
-            name if twin is None or twin.band is None else twin.band.name
+            name if twin is None or not twin.is_renamed else twin.band.name
             for name, twin in zip(names, self.twins, strict=True)
         ]
         self.usual = names
@@ -125,7 +82,9 @@ class Recut:
             elif each.band is not None:
                 name = each.band.name
                 gone.append(name)
-                if heir is not None:
+                if heir is None:
+                    self._note_lost(each.band)
+                else:
                     heirs[name] = self.new[heir]
                     if name not in (each.given, *self.names):
                         note(f"{name!r} went into {self.names[heir]!r}")
@@ -150,9 +109,17 @@ class Recut:
         ]
         return [band.name for band in self.new], given
 
+    def _note_lost(self, band: Band) -> None:
+        """Note what was set of a band whose sizes no new one has."""
+        moving = self.keeping.animation_of(band, "value")
+        if band.value or moving:
+            how = f" and {moving}" if moving else ""
+            note(f"no new band has the sizes of {band.name!r}, which was {band.value:.3g}{how}")
+
     def _carry(self) -> None:
         """Set the new keys, and animate and drive them."""
-        for animated in self._animated():
+        there = [key for key in self.old if key is not None]
+        for animated in own_actions(self.block, there, "these bands"):
             for band in range(len(self.new)):
                 self._carry_curves(animated, band)
         for band in range(len(self.new)):
@@ -187,6 +154,8 @@ class Recut:
             same = [getattr(each, name) == getattr(key, name) for each in former]
             self._tell(band, what, order, same)
         heard = [self.old[old].value for old in self._heard(band)]
+        if self.parts[band].sum() < 1 - 1e-9:  # what no old band held was left as it is
+            heard.append(0.0)
         if max(heard) - min(heard) > VISIBLE:
             self.mixed.append(f"{self.names[band]!r} ({value:.3g})")
         if not key.mute and any(each.mute for each in former):
@@ -202,25 +171,6 @@ class Recut:
                 f"{self.names[band]!r} is in the place of {', '.join(map(repr, names))}, whose "
                 f"{what} differ; it has what {names[0]!r} had"
             )
-
-    def _animated(self) -> Iterator[Animated]:
-        """The actions with curves of the old keys, each of them the keys' own."""
-        paths = tuple(self.path(key) for key in self.old if key is not None)
-        seen = set()
-        for animated in actions_of(self.block):
-            curves = animated.curves
-            if curves is None or not any(each.data_path.startswith(paths) for each in curves):
-                continue
-            own, name = animated, animated.action.name
-            if animated.action.library is not None:
-                note(f"{name!r} is linked from another file; these bands have a copy now")
-                own = animated.with_own_action()
-            elif animated.is_shared:
-                note(f"{name!r} animates others too; these bands have a copy now")
-                own = animated.with_own_action()
-            if own.identity not in seen:
-                seen.add(own.identity)
-                yield own
 
     def _carry_curves(self, animated: Animated, band: int) -> None:
         curves, key = animated.curves, self.new[band]

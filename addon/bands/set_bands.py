@@ -2,16 +2,25 @@
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ..job.operator import ChangeOperator
 from ..options.declaring import OWN, options_of
 from ..options.properties import property_of
+from ..scene.decomposition import SpectralTVRecord
 from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
-from ..scene.records import bands_of, keeping_of, record_of, renew_bands, topology_changed
+from ..scene.records import (
+    bands_of,
+    keeping_of,
+    record_of,
+    records_of,
+    renew_bands,
+    topology_changed,
+)
 from . import filter_curve
-from .bands import cut_again, flows, set_values
+from .adding import cut_again
+from .bands import flows, set_values
 from .filtering import FilterSettings
 from .gains import PRESETS, curve_values, idle_reason, preset_values
 from .settings import Settings
@@ -69,9 +78,17 @@ class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
     first: property_of(FilterSettings, "first")
     last: property_of(FilterSettings, "last")
     amount: property_of(FilterSettings, "amount")
+    every: BoolProperty(
+        name="Every Decomposition",
+        description="Reset sets the bands of all decompositions back, not of the active one alone",
+        default=True,
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def description(cls, _context, properties) -> str:
+        if properties.preset == "RESET" and not properties.every:
+            return "Set every band of the active decomposition back to its original strength"
         return next(text for name, _, text in PRESETS if name == properties.preset)
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
@@ -79,7 +96,11 @@ class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
         reason = idle_reason(self.preset, *choice)
         if reason is not None:
             note(reason)
-        set_values(obj, preset_values(self.preset, *choice))
+        if self.preset != "RESET" or not self.every:
+            set_values(obj, preset_values(self.preset, *choice))
+            return
+        for record in records_of(obj):
+            set_values(obj, [0.0] * len(record.bands), record)
 
 
 class SPECTRAL_TV_OT_add_curve(BandsOperator, bpy.types.Operator):
@@ -152,7 +173,7 @@ class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
 
 
 class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
-    """Give the selected objects' bands the values of the active object's"""
+    """Give bands of the selected objects the values of the active object's active decomposition"""
 
     bl_idname = "spectral_tv.copy_filter"
     bl_label = "Copy Filter to Selected"
@@ -162,7 +183,8 @@ class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
         if not others:
             raise Refusal("select the other objects too")
         values = [key.value if key is not None else 0.0 for key in bands_of(source)]
-        alike = [obj for obj in others if _is_alike(obj, source)]
+        records = {obj: _alike(obj, source) for obj in others}
+        alike = [obj for obj in others if records[obj] is not None]
         skipped = ", ".join(obj.name for obj in others if obj not in alike)
         if skipped:
             told = (
@@ -173,15 +195,24 @@ class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
             note(told)
         for obj in alike:
             with about(obj.name):
-                set_values(obj, values)
+                set_values(obj, values, records[obj])
+                if records[obj] != record_of(obj):
+                    note(f"they are of {records[obj].name!r}, which is not the active one")
         return f"its filter is that of {', '.join(obj.name for obj in alike)} too"
 
 
-def _is_alike(obj: bpy.types.Object, source: bpy.types.Object) -> bool:
-    """Whether bands of two objects, counted from the finest, are of the same relative sizes."""
+def _alike(obj: bpy.types.Object, source: bpy.types.Object) -> SpectralTVRecord | None:
+    """The decomposition of an object that is like the active one of another: that one which is
+    active, if it is. None if none is."""
     if bands_refusal(obj) is not None:
-        return False
-    record, other = record_of(obj), record_of(source)
+        return None
+    active, other = record_of(obj), record_of(source)
+    records = [active, *(each for each in records_of(obj) if each != active)]
+    return next((each for each in records if _is_alike(each, other)), None)
+
+
+def _is_alike(record: SpectralTVRecord, other: SpectralTVRecord) -> bool:
+    """Whether bands of two decompositions, from the finest, are of the same relative sizes."""
     if len(record.bands) != len(other.bands) or record.method != other.method:
         return False
     edges, others = (

@@ -24,6 +24,13 @@ from ..options.declaring import (
 from .gains import too_few_steps
 from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
 
+INTO_TEXT = "What becomes of the active decomposition"
+INTO = (
+    ("REPLACE", "Replace",
+     "The new bands take the place of the active ones of the same method, and do what these did. "
+     "Of another method they are added"),
+    ("ADD", "Add", "The new bands are a decomposition of their own, of the shape that is shown"),
+)  # fmt: skip
 # With icons and numbers, as files keep the numbers of old.
 BASES = (
     ("LIMBS", "Limbs Kept", "The object itself, smoothed, but with limbs as thick as they are",
@@ -49,9 +56,16 @@ SHAPES = (
     (
         "APPLIED",
         "Modifiers Applied",
-        "All that is seen, in a new object without modifiers; this one is hidden",
+        "All that is seen on this frame, in a new object without modifiers; this one is hidden",
+    ),
+    (
+        "MULTIRES",
+        "Multiresolution",
+        "The top level at rest, in a work object. Write Back gives it the shape of that",
     ),
 )
+# Those whose bands are on a new object: the shapes have other vertices than the mesh.
+ON_NEW_OBJECT = ("APPLIED", "MULTIRES")
 # What options are in effect where a record says nothing of them.
 BEFORE = {"soft_edges": 0.0, "keep_limbs": 0.0, "base": "FLOW", "displacement": "SCALAR"}
 # Where an accuracy is asked for: steps of the first flow. The next has twice as many.
@@ -162,6 +176,7 @@ class Settings:
         "relative to the object's size. 0 joins those at exactly the same place", WELD, 0, 10,
         soft_most=0.1, unit="PERCENTAGE", digits=4, place="shape"
     )  # fmt: skip
+    into: str = choice("Former Bands", INTO_TEXT, INTO, argument="")
     leaves_out: bool = switch(
         "Leave Out Broken Faces",
         "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",

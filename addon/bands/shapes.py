@@ -1,19 +1,20 @@
 """Which shape of an object is decomposed, and what the user is told about it."""
 
 from collections.abc import Sequence
-from itertools import chain
 
 import bpy
 import numpy as np
 
-from ..scene import mix
-from ..scene.modifiers import passed_over, symmetries
+from ..scene import mix, multires
+from ..scene.modifiers import between, symmetries
 from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 from ..scene.surface import Reading, Surface
 from ..scene.touching import touching
-from .settings import SHAPES, Settings
+from . import shown_shape
+from .replacing import replaced_bands
+from .settings import ON_NEW_OBJECT, SHAPES, Settings
 
 
 def read_surfaces(
@@ -21,20 +22,25 @@ def read_surfaces(
 ) -> list[Surface]:
     """The surfaces of objects that are decomposed as one, in the chosen shape.
 
-    ``without_bands`` takes the present bands for 0, which gives the shape that they are of. Raises
-    Refusal or spectral_tv.MeshError if the objects cannot be read.
+    ``without_bands`` takes the active bands for 0, which gives the shape that they are of; so are
+    bands taken whose place new ones shall take. Raises Refusal or spectral_tv.MeshError if the
+    objects cannot be read.
     """
-    if settings.shape == "APPLIED":
+    if settings.shape in ON_NEW_OBJECT:
         if len(objects) > 1:
-            raise Refusal("only one object at a time is decomposed with its modifiers applied")
-        return [Surface.read_applied(objects[0], _reading(settings))]
+            raise Refusal(f"only one object at a time is decomposed as {_label(settings.shape)!r}")
+        if _base(objects[0], settings):
+            raise Refusal("a shape key as the base has other vertices than what is decomposed")
+        for text in remarks(objects[0], settings):
+            note(text)
+        return [shown_shape.read(objects[0], settings.shape, _reading(settings))]
     aside = [_base(obj, settings) for obj in objects]
-    if without_bands:
-        banded = [obj for obj in objects if record_of(obj) is not None]
-        aside = [[*keys, *chain.from_iterable(map(bands_of, banded))] for keys in aside]
-    else:
-        for obj in objects:
-            for text in remarks(obj, settings):
+    for obj, keys in zip(objects, aside, strict=True):
+        if without_bands and record_of(obj) is not None:
+            keys.extend(bands_of(obj))
+        elif not without_bands:
+            keys.extend(replaced_bands(obj, settings))
+            for text in remarks(obj, settings, keys):
                 note(text)
     shapes = [_shape(obj, settings, keys) for obj, keys in zip(objects, aside, strict=True)]
     return Surface.read_together(objects, shapes, _reading(settings))
@@ -42,19 +48,30 @@ def read_surfaces(
 
 def groups(objects: Sequence[bpy.types.Object], settings: Settings) -> list[list[bpy.types.Object]]:
     """The objects in groups that are one surface, as their open edges meet."""
-    if settings.shape == "APPLIED":
+    if settings.shape in ON_NEW_OBJECT:
         return [[obj] for obj in objects]
     shapes = [_shape(obj, settings, _base(obj, settings)) for obj in objects]
     found = touching(objects, shapes, _reading(settings))
     return [[objects[index] for index in indices] for indices in found]
 
 
-def remarks(obj: bpy.types.Object, settings: Settings) -> list[str]:
-    """What of ``obj`` is seen but not decomposed, or decomposed but not its Basis."""
+def vertex_count(obj: bpy.types.Object, settings: Settings) -> int:
+    """How many vertices are decomposed; for panels, which ask at every redraw."""
+    is_own = settings.shape not in ON_NEW_OBJECT
+    return len(obj.data.vertices) if is_own else shown_shape.count(obj, settings.shape)
+
+
+def remarks(
+    obj: bpy.types.Object, settings: Settings, aside: Sequence[bpy.types.ShapeKey] = ()
+) -> list[str]:
+    """What of ``obj`` is seen but not decomposed, or decomposed but not its Basis.
+
+    The keys ``aside`` take no part in either.
+    """
+    if settings.shape in ON_NEW_OBJECT:
+        return shown_shape.remarks(obj, settings.shape)
     found: list[str] = []
-    if settings.shape == "APPLIED":
-        return found
-    keys = mix.told(obj, _base(obj, settings))
+    keys = mix.told(obj, aside)
     if keys and settings.shape == "SHOWN":
         found.append(f"it is decomposed as shown, with {keys}")
     elif keys:
@@ -62,14 +79,19 @@ def remarks(obj: bpy.types.Object, settings: Settings) -> list[str]:
     mirrors = [modifier.name for modifier in symmetries(obj)]
     if mirrors:
         found.append(f"the other half of {', '.join(mirrors)} takes part, and stays joined")
-    names = [modifier.name for modifier in passed_over(obj)]
+    names = [name for name in between(obj) if name not in mirrors]
     if names:
-        label = next(label for name, label, _ in SHAPES if name == "APPLIED")
+        has_levels = multires.levels_refusal(obj) is None
+        label = _label("MULTIRES" if has_levels else "APPLIED")
         found.append(
-            f"what {', '.join(names)} {'changes' if len(names) == 1 else 'change'} is not "
-            f"decomposed, but the mesh before; the shape {label!r} has it too"
+            f"the bands are of the mesh before {', '.join(names)}, and act through "
+            f"{'it' if len(names) == 1 else 'them'}; the shape {label!r} has what is added there"
         )
     return found
+
+
+def _label(shape: str) -> str:
+    return next(label for name, label, _ in SHAPES if name == shape)
 
 
 def _reading(settings: Settings) -> Reading:

@@ -1,26 +1,27 @@
-"""Solo: mutes all bands but one, and remembers which were muted before."""
+"""Solo: mutes all bands of a decomposition but one, and remembers which were muted before."""
 
 import bpy
 
+from ..scene.decomposition import SpectralTVBand, SpectralTVRecord
 from ..scene.objects import Refusal
-from ..scene.records import SpectralTVBand, bands_of, record_of
+from ..scene.records import bands_of, record_of
 
 
 def toggle_solo(obj: bpy.types.Object, number: int) -> None:
-    """Mute all bands but that of a number, from 1; if it is alone already, restore the mutes.
+    """Mute all bands of the active decomposition but one; if it is alone already, restore them.
 
-    What the user mutes or unmutes meanwhile stays so.
+    They count from 1. What the user mutes or unmutes meanwhile stays so.
     Raises Refusal if there is no such band.
     """
     record = record_of(obj)
-    pairs = _pairs(obj)
+    pairs = _pairs(obj, record)
     if number > len(pairs) or pairs[number - 1][1] is None:
         raise Refusal(f"it has no band {number}")
     is_alone = record.solo == number and all(
         key is None or key.mute == (place != number)
         for place, (_, key) in enumerate(pairs, start=1)
     )
-    end_solo(obj)
+    end_solo(obj, record)
     if is_alone:
         return
     for place, (band, key) in enumerate(pairs, start=1):
@@ -30,17 +31,18 @@ def toggle_solo(obj: bpy.types.Object, number: int) -> None:
     record.solo = number
 
 
-def end_solo(obj: bpy.types.Object) -> None:
-    """Give the mutes back that a solo took, if there is one."""
-    record = record_of(obj)
+def end_solo(obj: bpy.types.Object, record: SpectralTVRecord) -> None:
+    """Give the mutes back that a solo of a decomposition took, if there is one."""
     if not record.solo:
         return
-    for place, (band, key) in enumerate(_pairs(obj), start=1):
+    for place, (band, key) in enumerate(_pairs(obj, record), start=1):
         was_set = place != record.solo
         if key is not None and key.mute == was_set:
             key.mute = band.was_muted
     record.solo = 0
 
 
-def _pairs(obj: bpy.types.Object) -> list[tuple[SpectralTVBand, bpy.types.ShapeKey | None]]:
-    return [*zip(record_of(obj).bands, bands_of(obj), strict=True)]
+def _pairs(
+    obj: bpy.types.Object, record: SpectralTVRecord
+) -> list[tuple[SpectralTVBand, bpy.types.ShapeKey | None]]:
+    return [*zip(record.bands, bands_of(obj, record), strict=True)]

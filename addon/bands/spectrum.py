@@ -8,7 +8,7 @@ import bpy.utils.previews
 import numpy as np
 
 from ..drawing.ink import color, mask
-from ..scene.records import SpectralTVRecord
+from ..scene.decomposition import SpectralTVRecord
 
 # Drawn at half that size where the interface is not scaled.
 SIDE = 264

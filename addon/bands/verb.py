@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 
@@ -12,14 +13,18 @@ from ..command_line.progress import progress
 from ..command_line.verb import Verb
 from ..options.arguments import add_arguments as add_options
 from ..options.arguments import complaint
-from ..scene import applied
-from ..scene.notes import note
-from .bands import add_bands, prepare_together, set_values, start_split
+from ..scene import applied, multires
+from ..scene.notes import listed, note
+from ..scene.objects import Refusal
+from . import shown_shape
+from .adding import Part, add_bands
+from .bands import prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
 from .settings import Settings
 from .shapes import groups
+from .write_back import write_back
 
 
 class Decompose(Verb):
@@ -66,6 +71,8 @@ All other formats hold the filtered shape."""
         asked, reason = self.asked, super().complaint()
         if reason is None and 0 < asked.largest <= asked.finest:
             return "--largest has to be larger than --finest"
+        if reason is None and asked.shape == "MULTIRES" and self.choices.frames is not None:
+            return "--shape multires is at rest, so it is not for --frames"
         reason = reason or complaint(self.choices, Settings, asked) or asked.complaint()
         return reason or complaint_of_gains(self.choices, asked.band_count)
 
@@ -83,6 +90,19 @@ All other formats hold the filtered shape."""
         treat_frames(objects, frames_of(self.choices.frames, self.read), treat)
         self._folding.note_frames()
 
+    def choose(self) -> list[bpy.types.Object]:
+        """The objects to split where none is named: those with levels, if these are asked for."""
+        objects = super().choose()
+        if self.asked.shape != "MULTIRES":
+            return objects
+        found = [obj for obj in objects if multires.modifier_of(obj) is not None]
+        if not found:
+            raise Refusal("there is no Multiresolution sculpt in it")
+        if len(found) < len(objects):
+            others = [obj.name for obj in objects if obj not in found]
+            note(f"left as they are, without Multiresolution: {listed(others)}")
+        return found
+
     def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         """The objects, those together whose open edges meet."""
         if self.choices.apart:
@@ -96,7 +116,8 @@ All other formats hold the filtered shape."""
 
     def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         """Give objects their bands."""
-        asked, choices = self.asked, self.choices
+        # What a file shows is split and filtered, not what it was split of before.
+        asked, choices = replace(self.asked, into="ADD"), self.choices
         if asked.shape == "APPLIED":
             for obj in objects:
                 applied.apply(obj)
@@ -107,10 +128,31 @@ All other formats hold the filtered shape."""
         surfaces, arguments = prepare_together(objects, asked)
         with progress(label) as show:
             split = start_split(surfaces[0].mesh, asked, arguments).result(show)
-        for obj, surface in zip(objects, surfaces, strict=True):
-            add_bands(obj, asked, surface, arguments, split)
+        if asked.shape == "MULTIRES":
+            objects = [shown_shape.new_object(objects[0], asked.shape, surfaces[0])]
+        pairs = zip(objects, surfaces, strict=True)
+        add_bands([Part(*pair, arguments, split) for pair in pairs], asked)
+        for obj in objects:
             set_values(obj, values)
         self._folding.look(objects, label)
+        if asked.shape == "MULTIRES":
+            self._put_back(objects[0])
+
+    def _put_back(self, work: bpy.types.Object) -> None:
+        """Give the levels the shape of a work object; only a .blend keeps that, with its bands."""
+        source = work.spectral_tv_work.source
+        write_back(work)
+        if self.file is not None and self.file.suffix.lower() == BLEND:
+            work.hide_set(True)
+            note(f"the bands are on {work.name!r}, which is hidden")
+            return
+        bpy.data.meshes.remove(work.data)  # and the object with it
+        modifier = multires.modifier_of(source)
+        if modifier.levels < modifier.total_levels:
+            note(
+                f"{source.name} is written as it is shown, at level {modifier.levels} of "
+                f"{modifier.total_levels}"
+            )
 
     def _holds_bands(self) -> bool:
         """Whether bands can still be dialled in what is written."""

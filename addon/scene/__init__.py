@@ -1,5 +1,6 @@
 """What Blender holds: objects and their surfaces read, shape keys, records and results written."""
 
-from . import documents, records, results
+from . import decomposition, documents, records, results, work_objects
 
-FILES = (records, documents, results)
+FILES = (decomposition, documents, results, work_objects)
+LOADED = (records.adopt_all,)

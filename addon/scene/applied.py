@@ -2,6 +2,9 @@
 
 import bpy
 
+# What is selected in Edit Mode. Of edges that a modifier adds Blender leaves it to chance.
+SELECTED = (".select_vert", ".select_edge", ".select_poly")
+
 
 def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
     """A new mesh of what is seen of ``obj`` now: its keys and its modifiers applied."""
@@ -13,12 +16,19 @@ def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
 
 def copy_of(obj: bpy.types.Object) -> bpy.types.Object:
     """A new object of what is seen of ``obj``, in its collections."""
-    mesh = mesh_of(obj)
-    mesh.name = f"{obj.data.name} Applied"
+    return object_of(mesh_of(obj), obj, "Applied")
+
+
+def object_of(mesh: bpy.types.Mesh, obj: bpy.types.Object, label: str) -> bpy.types.Object:
+    """A new object like ``obj`` with a shape of its own and no modifiers, in its collections."""
+    mesh.name = f"{obj.data.name} {label}"
+    for name in SELECTED:
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
     copy = obj.copy()
-    copy.name = f"{obj.name} Applied"
+    copy.name = f"{obj.name} {label}"
     copy.data = mesh
-    copy.modifiers.clear()
+    _undress(copy)
     for collection in obj.users_collection:
         collection.objects.link(copy)
     return copy
@@ -29,4 +39,12 @@ def apply(obj: bpy.types.Object) -> None:
     mesh = mesh_of(obj)
     mesh.name = obj.data.name
     obj.data = mesh
+    _undress(obj)
+
+
+def _undress(obj: bpy.types.Object) -> None:
+    """Leave nothing that changes the shape of ``obj`` once more, or hides keys it is given."""
     obj.modifiers.clear()
+    obj.show_only_shape_key = False
+    if obj.parent_type in ("ARMATURE", "LATTICE"):  # a parent that bends its children
+        obj.parent_type = "OBJECT"

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from .notes import note
+
 
 @dataclass(frozen=True)
 class Animated:
@@ -62,6 +64,30 @@ def actions_of(data: bpy.types.ID) -> list[Animated]:
         return []
     strips = [strip for track in animation.nla_tracks for strip in _strips(track.strips)]
     return [Animated(user, user.action) for user in (animation, *strips) if user.action is not None]
+
+
+def own_actions(
+    keys: bpy.types.Key, moved: Sequence[bpy.types.ShapeKey], whose: str
+) -> list[Animated]:
+    """The actions with curves of some of the shape keys, each of them the block's own.
+
+    Those of other files, and those that animate others too, are copied, which is noted.
+    """
+    paths = tuple(key_path(key) for key in moved)
+    found: dict[tuple[int, int], Animated] = {}
+    for animated in actions_of(keys):
+        curves = animated.curves
+        if curves is None or not any(each.data_path.startswith(paths) for each in curves):
+            continue
+        own, name = animated, animated.action.name
+        if animated.action.library is not None:
+            note(f"{name!r} is linked from another file; {whose} have a copy now")
+            own = animated.with_own_action()
+        elif animated.is_shared:
+            note(f"{name!r} animates others too; {whose} have a copy now")
+            own = animated.with_own_action()
+        found.setdefault(own.identity, own)
+    return list(found.values())
 
 
 def drivers_of(data: bpy.types.ID) -> Sequence[bpy.types.FCurve]:

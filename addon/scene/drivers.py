@@ -1,11 +1,11 @@
 """Drivers: compared, copied, and led to other shape keys."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 import bpy
 
-from .channels import drivers_of
+from .channels import drivers_of, key_path
 
 KEY = re.compile(r'key_blocks\["((?:[^"\\]|\\.)*)"\]')
 
@@ -28,12 +28,7 @@ def copy_driver(
 
 def retarget_drivers(mesh: bpy.types.Mesh, renamed: Mapping[str, str]) -> None:
     """Have drivers that read shape keys of ``mesh`` by old names read those by the new ones."""
-    keys = mesh.shape_keys
-    owners = {keys, mesh, *(obj for obj in bpy.data.objects if obj.data == mesh)}
-    users = {keys}.union(*bpy.data.user_map(subset=owners).values())
-    for target in _targets(users):
-        if target.id not in owners:
-            continue
+    for _, target in _reading(mesh):
 
         def new_name(found: re.Match[str]) -> str:
             name = bpy.utils.unescape_identifier(found[1])
@@ -44,13 +39,36 @@ def retarget_drivers(mesh: bpy.types.Mesh, renamed: Mapping[str, str]) -> None:
             target.data_path = path
 
 
-def _targets(users: set[bpy.types.ID]) -> Iterator[bpy.types.DriverTarget]:
-    """All that the drivers of data-blocks and of their node trees read."""
+def readers(mesh: bpy.types.Mesh, names: Collection[str]) -> list[str]:
+    """Names of the data-blocks with drivers that read shape keys of ``mesh`` of these names.
+
+    Those of the keys themselves are not among them.
+    """
+    found = {}
+    own = {key_path(mesh.shape_keys.key_blocks[name]) for name in names}
+    for driven, target in _reading(mesh):
+        read = {bpy.utils.unescape_identifier(name) for name in KEY.findall(target.data_path)}
+        is_own = driven.id_data == mesh.shape_keys and driven.data_path.startswith(tuple(own))
+        if not is_own and not read.isdisjoint(names):
+            found[driven.id_data.name] = None
+    return list(found)
+
+
+def _reading(mesh: bpy.types.Mesh) -> Iterator[tuple[bpy.types.FCurve, bpy.types.DriverTarget]]:
+    """The drivers that read something of a mesh, its shape keys or its objects, and the targets.
+
+    Drivers are those of data-blocks and of their node trees.
+    """
+    keys = mesh.shape_keys
+    owners = {keys, mesh, *(obj for obj in bpy.data.objects if obj.data == mesh)}
+    users = {keys}.union(*bpy.data.user_map(subset=owners).values())
     for user in users:
         for owner in (user, getattr(user, "node_tree", None)):
             for driven in drivers_of(owner):
                 for variable in driven.driver.variables:
-                    yield from variable.targets
+                    for target in variable.targets:
+                        if target.id in owners:
+                            yield driven, target
 
 
 def _description(driver: bpy.types.Driver) -> tuple[object, ...]:

@@ -52,4 +52,6 @@ class ShapeKeys:
 
 
 Keeping = type[ShapeKeys]
-PLACES: Mapping[str, Keeping] = {"KEYS": ShapeKeys}
+# Where new bands go.
+USUAL = "KEYS"
+PLACES: Mapping[str, Keeping] = {USUAL: ShapeKeys}

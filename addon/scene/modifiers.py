@@ -17,6 +17,23 @@ HARMLESS = {
     "FLUID",
     "PARTICLE_SYSTEM",
 }
+# Those whose result is another on another frame, whatever else is animated.
+MOVING = {
+    "ARMATURE",
+    "CLOTH",
+    "CURVE",
+    "HOOK",
+    "LATTICE",
+    "MESH_CACHE",
+    "MESH_DEFORM",
+    "MESH_SEQUENCE_CACHE",
+    "NODES",
+    "OCEAN",
+    "SHRINKWRAP",
+    "SOFT_BODY",
+    "SURFACE_DEFORM",
+    "WAVE",
+}
 
 
 def symmetries(obj: bpy.types.Object) -> list[bpy.types.MirrorModifier]:
@@ -47,3 +64,22 @@ def passed_over(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
         and not (modifier.type == "SUBSURF" and modifier.levels == 0)
         and not (modifier.type == "ARMATURE" and modifier.object is None)
     ]
+
+
+def bending_parent(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """The parent of ``obj`` if it bends it as a modifier before all others would, or None."""
+    return obj.parent if obj.parent_type in ("ARMATURE", "LATTICE") else None
+
+
+def between(obj: bpy.types.Object) -> list[str]:
+    """What lies between the mesh and what is shown, in its order."""
+    parent, passed = bending_parent(obj), [*symmetries(obj), *passed_over(obj)]
+    names = [modifier.name for modifier in obj.modifiers if modifier in passed]
+    return names if parent is None else [parent.name, *names]
+
+
+def is_moved(obj: bpy.types.Object) -> bool:
+    """Whether some of that depends on the frame by its nature."""
+    return bending_parent(obj) is not None or any(
+        modifier.type in MOVING for modifier in passed_over(obj)
+    )

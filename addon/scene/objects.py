@@ -63,6 +63,14 @@ def selected_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
     return [context.active_object, *others]
 
 
+def user_of(mesh: bpy.types.Mesh) -> bpy.types.Object | None:
+    """An object that has a mesh, the active one if it does."""
+    active = bpy.context.active_object
+    if active is not None and active.data == mesh:
+        return active
+    return next((obj for obj in bpy.data.objects if obj.data == mesh), None)
+
+
 def distinct_meshes(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The same, but one of those that share a mesh.
 

@@ -83,6 +83,11 @@ def _take_to_this_frame() -> None:
                     data.update_tag(refresh={"TIME"})
 
 
+def world_scale(obj: bpy.types.Object) -> float:
+    """How much an object enlarges its mesh, in the mean of its axes."""
+    return abs(obj.matrix_world.to_3x3().determinant()) ** (1 / 3)
+
+
 def matrix_of(
     obj: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph | None
 ) -> np.ndarray | None:

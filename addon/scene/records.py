@@ -1,91 +1,50 @@
-"""What a mesh remembers of its decomposition, kept in the file.
-
-A record names the shape key of each band and has its fingerprint. So bands are found again after
-keys were renamed, reordered or sculpted, and no other key is taken for a band.
-"""
+"""The decompositions that a mesh remembers, and which shape keys their bands are today."""
 
 import uuid
+from collections.abc import Iterator
+from itertools import islice
+from typing import Any
 
 import bpy
-import numpy as np
-from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
 from .contents import topology_digest
-from .fingerprints import Fingerprint, Likeness, digests, recognise
+from .decomposition import SpectralTVRecord
+from .fingerprints import Likeness, digests, recognise
 from .keeping import PLACES, Band, Keeping
+from .property_values import set_values_of, values_of
+
+# What of a band's name comes after that of its decomposition.
+LABEL = " Band "
 
 
-class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
-    """One band: the shape key it is, and the times it covers."""
-
-    given: StringProperty(name="Given", description="The name that it was given")
-    start: FloatProperty(name="Start", description="Time at which the band starts, length²")
-    end: FloatProperty(name="End", description="Time at which the band ends, length²")
-    is_sculpted: BoolProperty(
-        name="Sculpted", description="It was when the others were last cut anew"
-    )
-    was_muted: BoolProperty(
-        name="Was Muted", description="Before another band was soloed",
-        override={"LIBRARY_OVERRIDABLE"}
-    )  # fmt: skip
-
-
-class SpectralTVSample(bpy.types.PropertyGroup):
-    """One component of the spectrum, in files of older versions."""
-
-    time: FloatProperty(name="Time", description="Length²")
-    strength: FloatProperty(name="Strength", description="Length³")
-
-
-class SpectralTVRecord(bpy.types.PropertyGroup):
-    """The last decomposition of a mesh."""
-
-    # Of 0.1.0; today a mark of the block, see keeping.
-    owner = bpy.types.Key, "spectral_tv", "LIBRARY_OVERRIDABLE"
-
-    identifier: StringProperty(name="Identifier", description="Of the flow, while it is in memory")
-    kept: StringProperty(name="Kept", description="Where the bands are", default="KEYS")
-    method: StringProperty(name="Method")
-    settings: StringProperty(name="Settings", description="What it was decomposed by, as JSON")
-    area: FloatProperty(name="Area", description="Of the surface in world space, length²")
-    topology: StringProperty(name="Topology", description="Digest of the polygons")
-    vertex_count: IntProperty(name="Vertices")
-    corner_count: IntProperty(name="Face Corners")
-    solo: IntProperty(
-        name="Solo", description="The band that is heard alone, from 1; 0 if none is",
-        override={"LIBRARY_OVERRIDABLE"}
-    )  # fmt: skip
-    bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
-    components: StringProperty(
-        name="Components", description="Times, length², and strengths, length³, by turns"
-    )
-    spectrum: CollectionProperty(type=SpectralTVSample)
-
-    def keep_spectrum(self, times: np.ndarray, strengths: np.ndarray) -> None:
-        """Keep the spectrum: of each component the time (N,) and the strength (N,)."""
-        # As a text, which takes a hundredth of what a collection does.
-        numbers = np.column_stack([times, strengths]).astype(np.float32).ravel()
-        self.components = " ".join(f"{number:.9g}" for number in numbers)
-        self.spectrum.clear()
-
-    @property
-    def kept_spectrum(self) -> np.ndarray:
-        """The times and the strengths, (N, 2)."""
-        samples = [(sample.time, sample.strength) for sample in self.spectrum]
-        return np.array(samples or self.components.split(), dtype=np.float32).reshape(-1, 2)
+def records_of(obj: bpy.types.Object | None) -> list[SpectralTVRecord]:
+    """The records of a mesh object's decompositions; those of files of old, of one, as well."""
+    if obj is None or obj.type != "MESH":
+        return []
+    kept = obj.data.spectral_tv
+    found = [each for each in (kept.decomposition, *kept.decompositions) if _is_there(each)]
+    keys = obj.data.shape_keys
+    if keys is not None and keys.spectral_tv.bands:  # of 0.1.0
+        found.insert(0, keys.spectral_tv)
+    return found
 
 
 def record_of(obj: bpy.types.Object | None) -> SpectralTVRecord | None:
-    """The record of a mesh object's decomposition, or None."""
-    if obj is None or obj.type != "MESH":
+    """The record of the active decomposition of a mesh object, or None."""
+    found = records_of(obj)
+    if not found:
         return None
-    record = obj.data.spectral_tv.decomposition
-    if record.bands:
-        return record if keeping_of(record).is_marked(obj.data, record.identifier) else None
-    keys = obj.data.shape_keys
-    if keys is not None and keys.spectral_tv.bands:  # of 0.1.0
-        return keys.spectral_tv
-    return None
+    kept = obj.data.spectral_tv
+    chosen = kept.decompositions[kept.active_decomposition :][:1]
+    return chosen[0] if chosen and chosen[0] in found else found[-1]
+
+
+def activate(mesh: bpy.types.Mesh, name: str) -> bool:
+    """Make the decomposition of a name the active one; tells whether there is one."""
+    place = mesh.spectral_tv.decompositions.find(name)
+    if place >= 0:
+        mesh.spectral_tv.active_decomposition = place
+    return place >= 0
 
 
 def keeping_of(record: SpectralTVRecord) -> Keeping:
@@ -93,72 +52,187 @@ def keeping_of(record: SpectralTVRecord) -> Keeping:
     return PLACES[record.kept]
 
 
+def _mark(record: SpectralTVRecord) -> str:
+    return record.mark or record.identifier
+
+
+def _is_there(record: SpectralTVRecord) -> bool:
+    """Whether it has bands, and what kept them still is what it was."""
+    return bool(record.bands) and keeping_of(record).is_marked(record.id_data, _mark(record))
+
+
 def new_identity(obj: bpy.types.Object, record: SpectralTVRecord) -> None:
     """Have a record be of no flow so far, and of the vertices and faces that there are."""
+    former = [_mark(each) for each in records_of(obj) if each.kept == record.kept]
     record.identifier = uuid.uuid4().hex
     if record.id_data == obj.data:
-        keeping_of(record).mark(obj.data, record.identifier)
+        record.mark = former[0] if former else record.identifier
+        if not former:
+            keeping_of(record).mark(obj.data, record.mark)
     record.topology = topology_digest(obj.data)
     record.vertex_count = len(obj.data.vertices)
     record.corner_count = len(obj.data.loops)
 
 
-def forget(record: SpectralTVRecord) -> None:
-    """Clear a record, as its bands are no bands any more."""
-    record.bands.clear()
-    record.keep_spectrum([], [])
-    record.solo = 0
-    record.id_data.update_tag()
+def add_record(obj: bpy.types.Object) -> SpectralTVRecord:
+    """A new record, the active one, without bands so far.
+
+    Records that were at hand before are elsewhere now.
+    """
+    kept = obj.data.spectral_tv
+    record = kept.decompositions.add()
+    kept.active_decomposition = len(kept.decompositions) - 1
+    return record
+
+
+def remove_record(obj: bpy.types.Object, name: str) -> None:
+    """Remove the record of a name; another one becomes active if it was.
+
+    Records that were at hand before are elsewhere now.
+    """
+    kept = obj.data.spectral_tv
+    place, active = kept.decompositions.find(name), kept.active_decomposition
+    kept.decompositions.remove(place)
+    least = min(active, len(kept.decompositions) - 1)
+    kept.active_decomposition = max(active - 1 if place < active else least, 0)
+    obj.data.update_tag()
+
+
+def adopt(mesh: bpy.types.Mesh) -> None:
+    """Put the record of a file of old, where a mesh has one, into the list."""
+    kept, keys = mesh.spectral_tv, mesh.shape_keys
+    if keys is not None and keys.spectral_tv.bands:  # of 0.1.0
+        values = values_of(keys.spectral_tv)
+        keys.spectral_tv.bands.clear()
+        keys.spectral_tv.spectrum.clear()
+        _add(mesh, values)
+    if _is_there(kept.decomposition):
+        values = values_of(kept.decomposition)
+        kept.property_unset("decomposition")
+        _add(mesh, values)
+
+
+def adopt_all() -> None:
+    """Do so for all meshes of this file."""
+    for mesh in bpy.data.meshes:
+        if mesh.library is None and mesh.override_library is None:
+            adopt(mesh)
+
+
+def _add(mesh: bpy.types.Mesh, values: dict[str, Any]) -> None:
+    """Add a record of old to the list, and give it a name."""
+    kept = mesh.spectral_tv
+    record = kept.decompositions.add()
+    kept.active_decomposition = len(kept.decompositions) - 1
+    set_values_of(record, values)
+    record.mark = _mark(record)
+    names = [band.given or band.key for band in record.bands]
+    stems = [name.partition(LABEL)[0] for name in names if LABEL in name]
+    for number, (band, name) in enumerate(zip(record.bands, names, strict=True), start=1):
+        # 0.1.0 did not keep what a band was called first.
+        if stems and name == f"{stems[0]}{LABEL}{number}":
+            band.given = name
+    record.name = stems[0] if stems else record.method
+
+
+def forget(mesh: bpy.types.Mesh) -> None:
+    """Clear all records of a mesh, as their bands are no bands any more."""
+    kept = mesh.spectral_tv
+    for name in ("decomposition", "decompositions", "active_decomposition"):
+        kept.property_unset(name)
+    if mesh.shape_keys is not None:
+        mesh.shape_keys.spectral_tv.bands.clear()
+        mesh.shape_keys.spectral_tv.spectrum.clear()
+    mesh.update_tag()
 
 
 def forget_stale(*_arguments: object) -> None:
     """Clear the records of bands that were all removed, which Blender tells nobody."""
     for mesh in bpy.data.meshes:
-        if mesh.library is None and mesh.is_property_set("spectral_tv"):
-            record = mesh.spectral_tv.decomposition
-            if record.bands and not keeping_of(record).is_marked(mesh, record.identifier):
-                forget(record)
+        if mesh.library is not None or not mesh.is_property_set("spectral_tv"):
+            continue
+        kept = mesh.spectral_tv
+        if kept.decomposition.bands and not _is_there(kept.decomposition):
+            kept.property_unset("decomposition")
+            mesh.update_tag()
+        for place in reversed(range(len(kept.decompositions))):
+            if not _is_there(kept.decompositions[place]):
+                kept.decompositions.remove(place)
+                kept.active_decomposition = max(len(kept.decompositions) - 1, 0)
+                mesh.update_tag()
 
 
-def bands_of(obj: bpy.types.Object) -> list[Band | None]:
-    """The bands, None for those that were deleted."""
-    there = keeping_of(record_of(obj)).all(obj.data)
-    return [there[name] if name else None for name, _ in recognise_bands(obj)]
-
-
-def bands_shown(obj: bpy.types.Object) -> list[Band | None]:
-    """The same for panels, which ask at every redraw: known again only when names change."""
-    record = record_of(obj)
+def bands_of(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> list[Band | None]:
+    """The bands of a decomposition, None for those that were deleted; of the active one if none is
+    named."""
+    record = record_of(obj) if record is None else record
     there = keeping_of(record).all(obj.data)
-    question = (obj.data.session_uid, record.identifier, *there.keys())
+    return [there[name] if name else None for name, _ in recognise_bands(obj, record)]
+
+
+def all_bands_of(obj: bpy.types.Object) -> list[Band]:
+    """The bands of all decompositions that are there."""
+    found = []
+    for record, likes in recognise_all(obj):
+        there = keeping_of(record).all(obj.data)
+        found += [there[name] for name, _ in likes if name]
+    return found
+
+
+def bands_shown(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> list[Band | None]:
+    """What `bands_of` gives, for panels, which ask at every redraw: known again only when names
+    change."""
+    record = record_of(obj) if record is None else record
+    there = keeping_of(record).all(obj.data)
+    identifiers = (each.identifier for each in records_of(obj))
+    question = (obj.data.session_uid, *identifiers, *there.keys())
     if question not in _shown:
         _shown.clear()
-        _shown[question] = [name for name, _ in recognise_bands(obj)]
-    return [there[name] if name else None for name in _shown[question]]
+        found = recognise_all(obj)
+        _shown[question] = {each.identifier: [name for name, _ in names] for each, names in found}
+    return [there[name] if name else None for name in _shown[question][record.identifier]]
 
 
 # The last answer.
-_shown: dict[tuple, list[str]] = {}
+_shown: dict[tuple, dict[str, list[str]]] = {}
 
 
-def recognise_bands(obj: bpy.types.Object) -> list[tuple[str, Likeness]]:
-    """The name of every band today, "" if it was deleted; and how like the band it is."""
-    record = record_of(obj)
-    return recognise(obj, keeping_of(record).written, record.bands, any_copy=True)
+def recognise_all(
+    obj: bpy.types.Object,
+) -> list[tuple[SpectralTVRecord, list[tuple[str, Likeness]]]]:
+    """Of every decomposition the name of every band today, "" if it was deleted; and how like the
+    band it is. No key is a band of two."""
+    records = records_of(obj)
+    found = []
+    for written in dict.fromkeys(keeping_of(each).written for each in records):
+        own = [each for each in records if keeping_of(each).written == written]
+        prints = [band for each in own for band in each.bands]
+        likes: Iterator = iter(recognise(obj, written, prints, any_copy=True))
+        found += [(each, list(islice(likes, len(each.bands)))) for each in own]
+    return found
+
+
+def recognise_bands(
+    obj: bpy.types.Object, record: SpectralTVRecord | None = None
+) -> list[tuple[str, Likeness]]:
+    """The same of one decomposition, of the active one if none is named."""
+    record = record_of(obj) if record is None else record
+    return next(likes for each, likes in recognise_all(obj) if each == record)
 
 
 def renew_bands(obj: bpy.types.Object) -> None:
     """Follow what bands are called today, and what rounding made of them."""
-    record = record_of(obj)
-    written = keeping_of(record).written
-    for band, (name, likeness) in zip(record.bands, recognise_bands(obj), strict=True):
-        is_same = likeness == Likeness.SAME
-        if is_same and (name, digests(obj, written, [name])[name]) != (band.key, band.digest):
-            band.take(obj, written, name)
+    for record, likes in recognise_all(obj):
+        written = keeping_of(record).written
+        for band, (name, likeness) in zip(record.bands, likes, strict=True):
+            is_same = likeness == Likeness.SAME
+            if is_same and (name, digests(obj, written, [name])[name]) != (band.key, band.digest):
+                band.take(obj, written, name)
 
 
-def topology_changed(obj: bpy.types.Object) -> bool:
-    """Whether vertices or faces were added or removed since the decomposition."""
-    record = record_of(obj)
+def topology_changed(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> bool:
+    """Whether vertices or faces were added or removed since a decomposition, the active one if
+    none is named."""
+    record = record_of(obj) if record is None else record
     counts = len(obj.data.vertices), len(obj.data.loops)
     return counts != (record.vertex_count, record.corner_count)

@@ -11,15 +11,15 @@ from types import MappingProxyType
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, PointerProperty, StringProperty
+from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringProperty
 
 from .contents import TYPES
+from .decomposition import SpectralTVRecord
 from .documents import SpectralTVDocument
 from .fingerprints import Fingerprint, Likeness, names, recognise
 from .names import free_name, taken_names
 from .notes import note
 from .objects import Refusal
-from .records import SpectralTVRecord
 from .shape_keys import add_displacements, remove_key, set_displacement
 from .whole import whole
 
@@ -44,6 +44,14 @@ class SpectralTVMesh(bpy.types.PropertyGroup):
 
     owner = bpy.types.Mesh, "spectral_tv", "LIBRARY_OVERRIDABLE"
 
+    decompositions: CollectionProperty(type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"})
+    active_decomposition: IntProperty(
+        name="Active Decomposition",
+        description="The one whose bands are shown and set",
+        min=0,
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    # Of files from before there were several.
     decomposition: PointerProperty(type=SpectralTVRecord, override={"LIBRARY_OVERRIDABLE"})
     results: CollectionProperty(type=SpectralTVResult)
     table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")

@@ -10,14 +10,12 @@ import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
 
-from . import applied
 from .arrays import means
 from .coordinates import basis_coordinates, triangles
 from .mirroring import Copies, mirrored, single
 from .modifiers import symmetries
 from .notes import note
 from .objects import Refusal
-from .temporary import Temporary
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37
@@ -84,11 +82,9 @@ class Surface:
         return cls._joined(parts, reading or Reading.of_scene())
 
     @classmethod
-    def read_applied(cls, obj: bpy.types.Object, reading: Reading) -> "Surface":
-        """Read what the modifiers of ``obj`` show; its vertices are those of `applied.mesh_of`."""
-        with Temporary() as now:
-            part = _Part.of_mesh(now.made(applied.mesh_of(obj)), obj.matrix_world)
-            return cls._joined([part], reading)[0]
+    def read_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix, reading: Reading) -> "Surface":
+        """Read a mesh that an object with this matrix in the world would have."""
+        return cls._joined([_Part.of_mesh(mesh, matrix)], reading)[0]
 
     @classmethod
     def _joined(cls, parts: "Sequence[_Part]", reading: Reading) -> "list[Surface]":
@@ -124,6 +120,12 @@ class Surface:
             )
             for part, first in zip(parts, firsts, strict=False)
         ]
+
+    def is_of(self, mesh: bpy.types.Mesh) -> bool:
+        """Whether a mesh has its vertices at the places where they were read, in object space."""
+        shape, places = basis_coordinates(mesh), self.copies.positions
+        is_there = (np.abs(shape) < NOWHERE).all(axis=1)
+        return len(shape) == len(self.place) and np.array_equal(shape[is_there], places[is_there])
 
     @property
     def metric(self) -> np.ndarray:

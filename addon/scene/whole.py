@@ -7,6 +7,8 @@ from typing import Any
 
 import bpy
 
+from .property_values import set_values_of, values_of
+
 
 @contextmanager
 def whole(*objects: bpy.types.Object) -> Iterator[None]:
@@ -52,7 +54,7 @@ class _Parts:
                 obj.active_shape_key_index,
                 mesh.color_attributes.active_color_name,
             ),
-            (_values(mesh.spectral_tv), {} if keys is None else _values(keys.spectral_tv)),
+            (values_of(mesh.spectral_tv), {} if keys is None else values_of(keys.spectral_tv)),
         )
 
     def restore(self, obj: bpy.types.Object) -> None:
@@ -67,43 +69,8 @@ class _Parts:
             present = mesh.shape_keys.key_blocks
             for name in set(present.keys()) - set(self.keys):
                 obj.shape_key_remove(present[name])
-            _set_values(mesh.shape_keys.spectral_tv, self.remembered[1])
-        _set_values(mesh.spectral_tv, self.remembered[0])
+            set_values_of(mesh.shape_keys.spectral_tv, self.remembered[1])
+        set_values_of(mesh.spectral_tv, self.remembered[0])
         obj.vertex_groups.active_index, obj.active_shape_key_index, color = self.active
         mesh.color_attributes.active_color_name = color
         mesh.update_tag()
-
-
-def _values(group: bpy.types.PropertyGroup) -> dict[str, Any]:
-    """The properties of a group and of those in it, in plain lists."""
-    found = {}
-    for name, declared in _declared(group):
-        value = getattr(group, name)
-        if declared.type == "COLLECTION":
-            found[name] = [_values(each) for each in value]
-        elif isinstance(value, bpy.types.PropertyGroup):
-            found[name] = _values(value)
-        else:
-            found[name] = tuple(value) if getattr(declared, "is_array", False) else value
-    return found
-
-
-def _set_values(group: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
-    for name, declared in _declared(group):
-        if name not in values:
-            continue
-        if declared.type == "COLLECTION":
-            collection = getattr(group, name)
-            collection.clear()
-            for each in values[name]:
-                _set_values(collection.add(), each)
-        elif isinstance(values[name], dict):
-            _set_values(getattr(group, name), values[name])
-        else:
-            setattr(group, name, values[name])
-
-
-def _declared(group: bpy.types.PropertyGroup) -> list[tuple[str, bpy.types.Property]]:
-    return [
-        each for each in group.bl_rna.properties.items() if each[0] not in ("rna_type", "bl_rna")
-    ]

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from numpy.typing import ArrayLike
-from shapes import icosphere
+from shapes import bumpy_sphere, icosphere
 
 
 def object_of(name: str, vertices: ArrayLike, faces: ArrayLike) -> bpy.types.Object:
@@ -27,6 +27,14 @@ def ball(name: str, detail: int = 2) -> bpy.types.Object:
     cap = np.flatnonzero(vertices[:, 2] > 0.5).tolist()
     obj.vertex_groups.new(name="Cap").add(cap, 1, "REPLACE")
     obj.select_set(True)
+    return obj
+
+
+def bumpy_ball() -> bpy.types.Object:
+    """A ball with bumps and the vertex group Cap, the active object."""
+    vertices, faces = bumpy_sphere(3, amplitude=0.3)
+    obj = object_of("Ball", vertices, faces)
+    obj.vertex_groups.new(name="Cap").add(np.flatnonzero(vertices[:, 2] > 0.5).tolist(), 1, "ADD")
     return obj
 
 

@@ -72,6 +72,7 @@ install()
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "executable: starts a real Blender executable")
+    config.addinivalue_line("markers", "longest: takes minutes, and starts first")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -79,6 +80,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "blender" in getattr(item, "fixturenames", ()):
             item.add_marker("executable")
+    # By far the longest first, so that other processes run the others meanwhile.
+    items.sort(key=lambda item: item.get_closest_marker("longest") is None)
 
 
 def blender_command() -> list[str]:
@@ -111,8 +114,7 @@ def blender(tmp_path_factory) -> Callable[..., subprocess.CompletedProcess[str]]
             env={**os.environ, "BLENDER_USER_RESOURCES": resources},
             text=True,
             check=False,
-            timeout=600,
-            **{**streams, **options},
+            **{"timeout": 600, **streams, **options},
         )
         assert done.returncode == 0 or not check, done.stdout + done.stderr
         return done

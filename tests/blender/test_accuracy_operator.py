@@ -136,7 +136,7 @@ def test_what_is_measured_is_what_the_bands_were_made_by():
 
 def test_bands_by_an_accuracy_are_measured_at_the_steps_that_were_taken(sphere):
     bpy.ops.spectral_tv.decompose(method="M2", bands=2, use_accuracy=True, accuracy=40)
-    steps = len(sphere.data.spectral_tv.decomposition.kept_spectrum) + 1
+    steps = len(sphere.data.spectral_tv.decompositions[-1].kept_spectrum) + 1
     bpy.ops.spectral_tv.measure_accuracy(of_bands=True)
     rows = [*csv.DictReader(io.StringIO(sphere.data.spectral_tv.accuracy.as_string()))]
     assert rows[-1]["Steps"] == str(steps)

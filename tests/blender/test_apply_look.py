@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from ball import ball
 from contents import contents, differences
-from deform_scene import coordinates, evaluated, group, key_positions
-
-FRAMES = (1, 7, 20)
+from deform_scene import coordinates, evaluated, key_positions
+from rigged_body import add_face_keys, add_rig, poses
 
 
 @pytest.fixture
@@ -18,46 +17,13 @@ def body():
     obj = ball("Body")
     mesh = obj.data
     mesh.uv_layers.new(name="UV").data.foreach_set("uv", np.arange(2.0 * len(mesh.loops)) % 1)
-    obj.shape_key_add(name="Basis", from_mix=False)
-    smile, pout = (obj.shape_key_add(name=name, from_mix=False) for name in ("Smile", "Pout"))
-    for point in smile.data:
-        point.co.x *= 1 + 0.2 * max(point.co.z, 0)
-    pout.relative_key = smile
-    for point, other in zip(pout.data, smile.data, strict=True):
-        point.co = other.co * 1.05
-    smile.driver_add("value").driver.expression = "frame / 20"
-    pout.value = 0.5
-    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
-    bpy.context.scene.collection.objects.link(rig)
-    bpy.context.view_layer.objects.active = rig
-    bpy.ops.object.mode_set(mode="EDIT")
-    bone = rig.data.edit_bones.new("Bone")
-    bone.tail = (0, 0, 1)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    rig.pose.bones["Bone"].rotation_mode = "XYZ"
-    for frame, angle in zip(FRAMES, (0, 0.5, 1.2), strict=True):
-        rig.pose.bones["Bone"].rotation_euler.x = angle
-        rig.pose.bones["Bone"].keyframe_insert("rotation_euler", frame=frame)
-    group(obj, "Bone", [v.index for v in mesh.vertices if v.co.z > 0])
-    obj.modifiers.new("Armature", "ARMATURE").object = rig
-    obj.modifiers.new("Subdivision", "SUBSURF")
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
-    bpy.context.scene.frame_set(FRAMES[0])
+    add_face_keys(obj)
+    add_rig(obj)
     bpy.ops.spectral_tv.decompose(bands=3, steps=8, shape="BASIS")
     bands = [key for key in mesh.shape_keys.key_blocks if "Band" in key.name]
     bands[0].value, bands[1].value, bands[2].value = 1.5, -0.4, 0.7
     bands[2].vertex_group = "Cap"
     return obj
-
-
-def poses(obj) -> list[np.ndarray]:
-    found = []
-    for frame in FRAMES:
-        bpy.context.scene.frame_set(frame)
-        found.append(evaluated(obj))
-    bpy.context.scene.frame_set(FRAMES[0])
-    return found
 
 
 def test_what_is_seen_stays_on_every_frame_and_the_bands_go(body):

@@ -35,13 +35,13 @@ def test_settings_are_the_operators(tmp_path: Path):
     bpy.ops.spectral_tv.decompose(
         method="M2", bands=4, steps=9, use_scales=True, finest=1, largest=10
     )
-    kept = meshes()[0].data.spectral_tv.decomposition
+    kept = meshes()[0].data.spectral_tv.decompositions[-1]
     times = [(band.start, band.end) for band in kept.bands]
     digests = [band.digest for band in kept.bands]
     arguments = ["--method", "M2", "--bands", "4", "--steps", "9", *scales]
     assert run(["decompose", str(path), "-o", str(target), *arguments]) == 0
     load(target)
-    record = meshes()[0].data.spectral_tv.decomposition
+    record = meshes()[0].data.spectral_tv.decompositions[-1]
     assert record.method == "M2"
     assert [(band.start, band.end) for band in record.bands] == times
     assert [band.digest for band in record.bands] == digests

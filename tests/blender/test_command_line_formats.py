@@ -85,7 +85,7 @@ def test_every_format_becomes_a_blend_with_bands(tmp_path: Path, suffix):
     names = [key.name for key in obj.data.shape_keys.key_blocks]
     assert names == ["Basis", "M1 Band 1", "M1 Band 2", "M1 Band 3"]
     assert band_values(obj) == [0, 0, 0]
-    assert len(obj.data.spectral_tv.decomposition.bands) == 3
+    assert len(obj.data.spectral_tv.decompositions[-1].bands) == 3
 
 
 @pytest.mark.parametrize(("suffix", "importer"), [("glb", "gltf"), ("ply", "ply_import")])

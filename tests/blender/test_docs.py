@@ -21,11 +21,11 @@ FILES = {
     "README.md-1": ["monkey.blend"],
     "scripting.md-1": ["smooth.blend"],
     "scripting.md-2": ["safe.blend"],
-    "scripting.md-4": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
-    "scripting.md-6": ["ear.blend"],
-    "scripting.md-7": ["mask.blend", "mask.csv"],
-    "scripting.md-8": ["smooth.png"],
-    "scripting.md-16": ["splits.pickle"],
+    "scripting.md-5": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+    "scripting.md-7": ["ear.blend"],
+    "scripting.md-8": ["mask.blend", "mask.csv"],
+    "scripting.md-9": ["smooth.png"],
+    "scripting.md-18": ["splits.pickle"],
 }
 
 

@@ -6,6 +6,8 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 
+import pytest
+
 # What tests may be left out for there.
 REASONS = (
     "this Blender is built without",
@@ -32,6 +34,7 @@ def test_decomposes_in_background(blender, tmp_path: Path):
     assert "keys ['Basis', 'M2 Band 1', 'M2 Band 2', 'M2 Band 3']" in done.stdout
 
 
+@pytest.mark.longest
 def test_the_extension_passes_its_tests_inside(blender, tmp_path: Path):
     """Blender's own Python runs pytest, lent from here, on the extension it was started with."""
     packages = tmp_path / "packages"
@@ -42,7 +45,7 @@ def test_the_extension_passes_its_tests_inside(blender, tmp_path: Path):
         (packages / source.name).symlink_to(source)
     script = Path(__file__).with_name("run_inside.py")
     options = ["--background", "--python-exit-code", "7", "--python", str(script)]
-    done = blender(*options, "--", str(packages))
+    done = blender(*options, "--", str(packages), timeout=1500)
     assert re.search(r"\d+ passed", done.stdout), done.stdout
     skipped = re.findall(r"^SKIPPED .*", done.stdout, re.MULTILINE)
     assert all(any(reason in line for reason in REASONS) for line in skipped), skipped

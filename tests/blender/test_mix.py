@@ -41,7 +41,7 @@ def test_the_chosen_bands_are_replaced(pair):
     assert [key.name for key in keys][-2:] == ["Twin M1 Band 1", "Twin M1 Band 2"]
     assert [keys[f"M1 Band {band}"].value for band in (1, 2, 3, 4)] == [-1, -1, 0, 0]
     ratio = np.sqrt(
-        obj.data.spectral_tv.decomposition.area / twin.data.spectral_tv.decomposition.area
+        obj.data.spectral_tv.decompositions[-1].area / twin.data.spectral_tv.decompositions[-1].area
     )
     for band in (1, 2):
         taken = offsets(obj, f"Twin M1 Band {band}")

@@ -58,6 +58,7 @@ WRITING = {
     "deform": {},
     "flow_attribute": {"kind": "GROUP", "source": "Cap", "steps": 4},
     "measure_accuracy": {"bands": 2, "steps": 8},
+    "remove_decomposition": {},
     "plot_values": {"kind": "GROUP", "source": "Cap", "steps": 4},
     "take_bands": {},
     "test_eigenset": {"group": "Cap"},
@@ -105,5 +106,5 @@ def test_made_local_it_is_like_any_other(linked):
     obj = override(linked)
     obj.make_local()
     obj.data.make_local()
-    assert bpy.ops.spectral_tv.decompose(bands=2, steps=8) == {"FINISHED"}
+    assert bpy.ops.spectral_tv.decompose(bands=2, steps=8, into="ADD") == {"FINISHED"}
     assert len(obj.data.shape_keys.key_blocks) == 6

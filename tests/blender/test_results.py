@@ -445,14 +445,15 @@ def test_an_own_text_is_no_table_of_errors(sphere):
 
 def test_a_decomposition_that_fails_leaves_the_bands_that_were_there(sphere):
     bands = import_module(f"{MODULE}.bands.bands")
+    adding = import_module(f"{MODULE}.bands.adding")
     whole = import_module(f"{MODULE}.scene.whole").whole
     settings = import_module(f"{MODULE}.bands.settings").Settings
     bpy.ops.spectral_tv.decompose(bands=2, steps=6)
     before = contents()
-    chosen = settings(bands=3, steps=6)
+    chosen = settings(bands=3, steps=6, into="ADD")
     surface, arguments = bands.prepare(sphere, chosen)
     split = spectral_tv.decompose(surface.mesh, **arguments)
     with pytest.raises(ZeroDivisionError), whole(sphere):
-        bands.add_bands(sphere, chosen, surface, arguments, split)
+        adding.add_bands([adding.Part(sphere, surface, arguments, split)], chosen)
         raise ZeroDivisionError
     assert differences(before, contents()) == []

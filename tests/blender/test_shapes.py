@@ -24,7 +24,7 @@ def seen(obj) -> np.ndarray:
 
 def latest(obj) -> list[bpy.types.ShapeKey]:
     keys = obj.data.shape_keys
-    return [keys.key_blocks[band.key] for band in obj.data.spectral_tv.decomposition.bands]
+    return [keys.key_blocks[band.key] for band in obj.data.spectral_tv.decompositions[-1].bands]
 
 
 def displacements(obj) -> np.ndarray:
@@ -35,7 +35,7 @@ def displacements(obj) -> np.ndarray:
 def low_pass(obj, **options) -> None:
     """Remove the finest of three bands, with whatever is seen as the start."""
     bpy.context.view_layer.objects.active = obj
-    bpy.ops.spectral_tv.decompose(**QUICK, **options)
+    bpy.ops.spectral_tv.decompose(into="ADD", **QUICK, **options)
     latest(obj)[0].value = -1
 
 

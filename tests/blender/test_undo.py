@@ -10,6 +10,7 @@ from contents import contents
 from deform_scene import constrain, dumbbell_object, empty, handle
 
 SMALL = {"bands": 3, "steps": 8}
+RESET = {"preset": "RESET"}
 
 
 def banded() -> bpy.types.Object:
@@ -17,6 +18,13 @@ def banded() -> bpy.types.Object:
     bpy.ops.spectral_tv.decompose(**SMALL)
     obj.data.shape_keys.key_blocks[2].value = 0.5
     return obj
+
+
+def twice() -> None:
+    """A ball with two decompositions, both with a filter."""
+    banded()
+    bpy.ops.spectral_tv.decompose(method="M2", **SMALL)
+    bpy.context.object.data.shape_keys.key_blocks[5].value = 0.5
 
 
 def subdivided() -> None:
@@ -68,6 +76,23 @@ def torn() -> None:
         bpy.ops.spectral_tv.decompose(**SMALL)
 
 
+def sculpted() -> bpy.types.Object:
+    """A cube with two levels of Multiresolution."""
+    bpy.ops.mesh.primitive_cube_add()
+    obj = bpy.context.object
+    obj.modifiers.new("Multires", "MULTIRES")
+    for _ in range(2):
+        bpy.ops.object.multires_subdivide(modifier="Multires", mode="CATMULL_CLARK")
+    return obj
+
+
+def worked_on() -> None:
+    """The work object of the same, filtered."""
+    sculpted()
+    bpy.ops.spectral_tv.decompose(shape="MULTIRES", **SMALL)
+    bpy.context.object.data.shape_keys.key_blocks[3].value = 1
+
+
 def photo() -> None:
     """An image of noise, and no object."""
     image = bpy.data.images.new("Photo", 16, 12)
@@ -107,11 +132,15 @@ CASES = {
     "measure_accuracy": (banded, {"bands": 2, "steps": 8}),
     "measure_thickness": (lambda: ball("Ball"), {}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
+    "remove_decomposition": (twice, {"name": "M1"}),
     "rig_from_pose": (posed, {}),
     "select_faulty": (torn, {}),
     "solo": (banded, {"band": 2}),
+    "switch_decomposition": (twice, {"name": "M1"}),
     "take_bands": (pair, {"first": 1, "last": 2}),
     "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),
+    "work_object": (sculpted, {}),
+    "write_back": (worked_on, {}),
 }
 # Those that change nothing in the file.
 WITHOUT_STEP = {"cancel", "count_folds", "export_values"}
@@ -142,6 +171,12 @@ def run(name: str, arguments: dict) -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_one_step_takes_all_of_it_back(name):
     one_step_takes_all_back(name, *CASES[name])
+
+
+@pytest.mark.parametrize("name", ["apply_look", "decompose", "filter"])
+def test_one_step_takes_what_is_done_to_several_decompositions_back(name):
+    arguments = {"decompose": {"method": "M2", "bands": 2, "steps": 9}, "filter": RESET}
+    one_step_takes_all_back(name, twice, arguments.get(name, {}))
 
 
 @pytest.mark.parametrize("name", ["deform", "bake_deformation"])

@@ -246,6 +246,23 @@ def test_drags_lead_to_what_one_jump_leads_to(body):
     assert solved.energy == pytest.approx(expected.energy, rel=1e-3)
 
 
+@pytest.mark.parametrize("axis", ["x", "z"])
+def test_a_half_turn_at_once_is_as_good_as_in_small_steps(body, axis):
+    mesh, low, high = body
+    rest = mesh.vertices
+
+    def targets(degrees):
+        turn = Rotation.from_euler(axis, degrees, degrees=True)
+        return np.vstack([rest[low], turn.apply(rest[high])])
+
+    handles = np.r_[low, high]
+    steps = [targets(degrees) for degrees in np.linspace(10, 170, 17)]
+    in_steps = spectral_tv.Poser(mesh, handles).solve_sequence(steps, tolerance=1e-4)[-1]
+    at_once = spectral_tv.pose(mesh, handles, steps[-1], tolerance=1e-4)
+    assert at_once.decrement <= 1e-4
+    assert at_once.energy <= 1.02 * in_steps.energy
+
+
 def test_a_sequence_gives_what_single_poses_give(body):
     mesh, low, high = body
     handles, targets = held_and_bent(mesh, low, high)

@@ -27,6 +27,7 @@ from screen import (
     run,
     until,
 )
+from sculpt import sculpt
 
 BANDS = 5
 
@@ -48,6 +49,7 @@ def session() -> Steps[None]:
     yield from hold_and_pull()
     yield from others()
     yield from messages()
+    yield from sculpt()
     yield from quit_while_it_runs()
 
 

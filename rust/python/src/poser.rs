@@ -189,6 +189,9 @@ impl Poser {
 
     /// Pose to a stationary point of the energy.
     ///
+    /// Where handles turn by more than 45 degrees against each other, the pose follows them on their
+    /// way there, as the shortest screw goes. What is half a turn apart may go either way.
+    ///
     /// Parameters
     /// ----------
     /// targets : (K, 3) array

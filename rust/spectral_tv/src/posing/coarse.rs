@@ -77,7 +77,7 @@ impl CoarseSystem {
         self.matrix.lower.data_mut().fill(0.0);
         let model = linearized.model;
         let gradient = model.operators.gradient();
-        let state = linearized.state();
+        let state = linearized.state;
         // δx and ω of a vertex by the unknowns of its node.
         let map = |vertex: usize| -> Block {
             let mut map = Block::zeros();
@@ -95,7 +95,7 @@ impl CoarseSystem {
             map
         };
         for (face, corners) in gradient.triangles().iter().enumerate() {
-            let term = &linearized.faces[face];
+            let term = &linearized.numbers.faces[face];
             if term.weight == 0.0 {
                 continue;
             }

@@ -5,8 +5,8 @@ use crate::monitor::Stage;
 use crate::posing::field::Field;
 use crate::posing::handles::Handles;
 use crate::posing::levels::Levels;
-use crate::posing::linearized::Linearized;
-use crate::posing::model::Goals;
+use crate::posing::linearized::{Linearized, Numbers};
+use crate::posing::model::{Goals, Model};
 use crate::posing::motion::Motion;
 use crate::posing::search::{Reached, largest_movement, limited, searched};
 use crate::posing::state::{State, rotated};
@@ -24,6 +24,8 @@ pub(super) struct Current {
     pub motion: Motion,
     /// The targets that these are of; `None` at rest.
     pub targets: Option<Vec<[f64; 3]>>,
+    /// The quadratic model of the fine mesh at this state, if it is known.
+    pub numbers: Option<Numbers>,
 }
 
 impl Current {
@@ -35,7 +37,14 @@ impl Current {
             goals,
             motion: Motion::none(),
             targets: None,
+            numbers: None,
         }
+    }
+
+    /// Takes the quadratic model at this state.
+    pub fn numbers(&mut self, fine: &Model) -> Numbers {
+        let known = self.numbers.take();
+        known.unwrap_or_else(|| Numbers::new(fine, &self.state, &self.goals))
     }
 
     /// One cycle: the coarse mesh follows the handles, the fine one follows it, and is smoothed.
@@ -52,10 +61,10 @@ impl Current {
         // multigrid approach to discretized optimization problems").
         let mut lack = {
             let coarse_goals = levels.coarse_goals(&self.goals);
-            let fine = Linearized::new(&levels.fine, &self.state, &self.goals);
+            let fine = self.numbers(&levels.fine);
             let mut asked = levels.lift.restrict(&fine.gradient, &before, &self.state);
             levels.coarse.reduce(&before, &mut asked);
-            let coarse = Linearized::new(&levels.coarse, &before, &coarse_goals);
+            let coarse = Numbers::new(&levels.coarse, &before, &coarse_goals);
             asked.add(-1.0, &coarse.gradient);
             asked
         };
@@ -74,14 +83,14 @@ impl Current {
             stage.check()?;
             let linearized = Linearized::new(&levels.coarse, &coarse, &coarse_goals);
             levels.system.factorize(&linearized, stage)?;
-            let mut descent = linearized.gradient.clone();
+            let mut descent = linearized.numbers.gradient.clone();
             descent.add(1.0, &lack);
             let direction = levels.system.solve(&descent, &levels.coarse).reversed();
             let limit = limited(&direction);
             let slope = descent.dot(&direction);
             let mut expanded = direction.clone();
             levels.coarse.expand(&coarse, &mut expanded);
-            let value = linearized.value;
+            let value = linearized.numbers.value;
             let along = lack.dot(&direction);
             let (model, goals) = (&levels.coarse, &coarse_goals);
             let state = coarse.clone();
@@ -90,7 +99,7 @@ impl Current {
                 let value = model.value(&next, goals) + length * along;
                 (value, next)
             });
-            let Some((next, _)) = found else {
+            let Some(next) = found else {
                 break;
             };
             coarse = next;
@@ -100,6 +109,7 @@ impl Current {
         let mut fine = levels.lift.carry(&origin, &start, &coarse);
         levels.fine.place(&goals, &mut fine);
         let last = std::mem::replace(&mut self.state, fine);
+        self.numbers = None;
         (self.goals, self.motion) = (goals, motion);
         let is_resting = self.targets.as_deref() == Some(targets);
         self.targets = Some(targets.to_vec());
@@ -127,7 +137,7 @@ impl Current {
             if value >= energy {
                 break;
             }
-            (self.state, energy) = (next, value);
+            (self.state, self.numbers, energy) = (next, None, value);
             length *= 2.0;
         }
         energy
@@ -135,13 +145,15 @@ impl Current {
 
     /// Positions, then rotations, by themselves. Returns E, length².
     fn smooth(&mut self, levels: &mut Levels, stage: Stage) -> Result<f64> {
-        let (fine, goals) = (&levels.fine, &self.goals);
+        let fine = &levels.fine;
         let mut energy = 0.0;
         for is_turning in [false, true] {
             stage.check()?;
-            let linearized = Linearized::new(fine, &self.state, goals);
+            let numbers = self.numbers(fine);
+            let (state, goals) = (&self.state, &self.goals);
+            let linearized = Linearized::of(numbers, fine, state, goals);
             let mut direction = Field::zeros(fine.rest.len(), fine.body_count);
-            let forces = &linearized.gradient;
+            let forces = &linearized.numbers.gradient;
             match is_turning {
                 false => {
                     levels.smoother.set_moves(&linearized, stage)?;
@@ -153,16 +165,22 @@ impl Current {
                 }
             }
             let direction = direction.reversed();
-            let slope = linearized.gradient.dot(&direction);
-            let state = &self.state;
-            energy = linearized.value;
-            let found = searched(limited(&direction), slope, energy, |length| {
+            let slope = forces.dot(&direction);
+            let value = linearized.numbers.value;
+            let found = searched(limited(&direction), slope, value, |length| {
                 let next = fine.moved(state, &direction, length, goals);
-                (fine.value(&next, goals), next)
+                let numbers = Numbers::new(fine, &next, goals);
+                (numbers.value, (next, numbers))
             });
-            if let Some((next, value)) = found {
-                (self.state, energy) = (next, value);
-            }
+            let numbers = match found {
+                Some((next, numbers)) => {
+                    self.state = next;
+                    numbers
+                }
+                None => linearized.numbers,
+            };
+            energy = numbers.value;
+            self.numbers = Some(numbers);
         }
         Ok(energy)
     }

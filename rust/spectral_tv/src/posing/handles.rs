@@ -9,6 +9,7 @@ use crate::posing::frames::Frames;
 use crate::posing::model::{Goals, Role};
 use crate::posing::motion::{Motion, Pair, common_motion};
 use crate::posing::state::State;
+use crate::posing::waypoints::Groups;
 
 /// Constrained vertices, and which of them turn freely.
 #[derive(Debug, Clone)]
@@ -20,6 +21,7 @@ pub struct Handles {
     /// Of every free body: its entries, and where the mean of them is at rest.
     pub(super) bodies: Vec<Body>,
     frames: Frames,
+    groups: Groups,
     rest: Vec<Vector3<f64>>,
     masses: Vec<f64>,
     diagonal: f64,
@@ -65,14 +67,19 @@ impl Handles {
             .iter()
             .map(|&floating| if floating { Role::Floating } else { Role::Free })
             .collect();
+        let of_entries: Vec<Option<u32>> = numbers
+            .iter()
+            .map(|number| known.binary_search(number).ok().map(|body| body as u32))
+            .collect();
         let mut pulled_along = vec![None; rest.len()];
         let mut of_body = vec![None; rest.len()];
-        for (entry, (&vertex, &number)) in constraints.vertices().iter().zip(numbers).enumerate() {
+        for (entry, (&vertex, &body)) in constraints.vertices().iter().zip(&of_entries).enumerate()
+        {
+            let number = numbers[entry];
             if number < -1 {
                 let name = format!("bodies[{entry}]");
                 return Err(ArgumentError::value(name, "must be −1 or more", number).into());
             }
-            let body = known.binary_search(&number).ok().map(|body| body as u32);
             let is_exact = constraints.is_exact(entry);
             match (is_exact, body) {
                 (true, None) => roles[vertex] = Role::Fixed,
@@ -140,6 +147,7 @@ impl Handles {
             masses: mesh.vertex_areas().to_vec(),
             diagonal: diagonal(&rest),
             frames,
+            groups: Groups::new(mesh, constraints.vertices(), &of_entries),
             constraints,
             roles,
             arms,
@@ -197,6 +205,23 @@ impl Handles {
             centres,
         };
         Ok((goals, motion))
+    }
+
+    /// Places on the way to target `positions`, from those that the handles were taken to last or
+    /// from rest, if they turn far against the `common` motion.
+    pub(super) fn waypoints(
+        &self,
+        last: Option<&[[f64; 3]]>,
+        positions: &[[f64; 3]],
+        common: &Motion,
+    ) -> Vec<Vec<[f64; 3]>> {
+        let rest = || {
+            let vertices = self.constraints.vertices().iter();
+            vertices.map(|&vertex| self.rest[vertex].into()).collect()
+        };
+        let last = last.map_or_else(rest, <[_]>::to_vec);
+        let diagonal = self.diagonal;
+        self.groups.waypoints(&last, positions, common, diagonal)
     }
 
     /// The rigid motion of the least Σ m |M p − t| over what is held, which is that of the greater

@@ -12,16 +12,22 @@ use crate::posing::state::{State, rotated};
 /// A quadratic model of the energy. Motions are δx and rotation vectors ω.
 pub(super) struct Linearized<'a> {
     pub model: &'a Model,
-    state: &'a State,
+    pub state: &'a State,
+    springs: &'a [f64],
+    pub numbers: Numbers,
+}
+
+/// What is computed of it. It can be kept for as long as the state, the goals and the parameters
+/// stay.
+pub(super) struct Numbers {
     /// E, as [`Model::value`] gives it.
     pub value: f64,
     /// The gradient by what moves freely.
     pub gradient: Field,
     /// Of every face; 0 where it is floating.
     pub faces: Vec<FaceModel>,
-    /// Of every vertex: what stillness and springs add to the diagonal of δx.
-    pub still: Vec<f64>,
-    springs: &'a [f64],
+    /// Of every vertex: what stillness adds to the diagonal of δx.
+    still: Vec<f64>,
 }
 
 /// A face's share of the matrix.
@@ -39,8 +45,8 @@ pub(super) struct FaceModel {
 
 type Corner = [Vector3<f64>; 2];
 
-impl<'a> Linearized<'a> {
-    pub fn new(model: &'a Model, state: &'a State, goals: &'a Goals) -> Self {
+impl Numbers {
+    pub fn new(model: &Model, state: &State, goals: &Goals) -> Self {
         let gradient = model.operators.gradient();
         let (triangles, hats) = (gradient.triangles(), gradient.hats());
         let areas = gradient.face_areas();
@@ -90,11 +96,12 @@ impl<'a> Linearized<'a> {
             };
             (face, [corner(0), corner(1), corner(2)])
         };
-        let (faces, shares): (Vec<FaceModel>, Vec<_>) = (0..triangles.len())
+        let (mut faces, mut shares) = (Vec::new(), Vec::new());
+        (0..triangles.len())
             .into_par_iter()
             .with_min_len(1 << 11)
             .map(of_face)
-            .unzip();
+            .unzip_into_vecs(&mut faces, &mut shares);
         let value = parallel::sum(faces.len(), |range| {
             faces[range].iter().map(|face| face.cost).sum()
         }) + model.value_at_vertices(state, goals);
@@ -121,13 +128,26 @@ impl<'a> Linearized<'a> {
         }
         model.reduce(state, &mut field);
         Self {
-            model,
-            state,
             value,
             gradient: field,
             faces,
             still,
+        }
+    }
+}
+
+impl<'a> Linearized<'a> {
+    pub fn new(model: &'a Model, state: &'a State, goals: &'a Goals) -> Self {
+        Self::of(Numbers::new(model, state, goals), model, state, goals)
+    }
+
+    /// The one that `numbers` were computed of.
+    pub fn of(numbers: Numbers, model: &'a Model, state: &'a State, goals: &'a Goals) -> Self {
+        Self {
+            model,
+            state,
             springs: &goals.springs,
+            numbers,
         }
     }
 
@@ -144,7 +164,7 @@ impl<'a> Linearized<'a> {
                 basis,
                 crushed,
                 ..
-            } = &self.faces[face];
+            } = &self.numbers.faces[face];
             let corners = triangles[face].map(|corner| corner as usize);
             let hats = &hats[face];
             let turn =
@@ -183,7 +203,7 @@ impl<'a> Linearized<'a> {
         let mut product = gathered(model, &shares);
         for vertex in 0..product.moves.len() {
             let own = moved.moves[vertex];
-            product.moves[vertex] += self.still[vertex] * own;
+            product.moves[vertex] += self.numbers.still[vertex] * own;
             let spring = self.springs[vertex];
             if spring > 0.0 {
                 let off = match model.pulled_along[vertex] {
@@ -204,7 +224,7 @@ impl<'a> Linearized<'a> {
 
     /// By how much the block of movements of a face is larger than its weight, at most.
     pub fn crushing(&self, face: usize) -> f64 {
-        match &self.faces[face].crushed {
+        match &self.numbers.faces[face].crushed {
             Some(crushed) => {
                 let squares = crushed.by_columns.iter().map(Vector3::norm_squared);
                 1.0 + crushed.firmness * squares.sum::<f64>()
@@ -215,12 +235,7 @@ impl<'a> Linearized<'a> {
 
     /// What stands on the diagonal of δx beside the faces' shares.
     pub fn diagonal(&self, vertex: usize) -> f64 {
-        self.still[vertex] + self.springs[vertex]
-    }
-
-    /// Where a field of the bodies' arms are turned now.
-    pub fn state(&self) -> &State {
-        self.state
+        self.numbers.still[vertex] + self.springs[vertex]
     }
 
     /// The spring at a vertex, and the body it pulls along with.

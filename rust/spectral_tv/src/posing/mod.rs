@@ -46,6 +46,7 @@ mod smoother;
 mod state;
 #[cfg(test)]
 mod tests;
+mod waypoints;
 
 pub use handles::Handles;
 pub use outcome::Pose;

@@ -6,7 +6,7 @@ use crate::monitor::Stage;
 use crate::posing::current::Current;
 use crate::posing::field::Field;
 use crate::posing::levels::Levels;
-use crate::posing::linearized::Linearized;
+use crate::posing::linearized::{Linearized, Numbers};
 use crate::posing::search::{Reached, largest_movement, limited, searched};
 
 const MOST_ITERATIONS: usize = 60;
@@ -27,7 +27,8 @@ impl Current {
         stage: Stage,
     ) -> Result<(f64, Reached)> {
         let fine = &levels.fine;
-        let linearized = Linearized::new(fine, &self.state, &self.goals);
+        let numbers = self.numbers(fine);
+        let linearized = Linearized::of(numbers, fine, &self.state, &self.goals);
         levels.smoother.set_moves(&linearized, stage)?;
         levels.smoother.set_turns(&linearized, stage)?;
         let coarse_state = levels.lift.injected(&self.state);
@@ -47,9 +48,9 @@ impl Current {
             found.add(1.0, &prolonged);
             Ok(found)
         };
-        let value = linearized.value;
+        let value = linearized.numbers.value;
         let mut direction = Field::zeros(fine.rest.len(), fine.body_count);
-        let mut residual = linearized.gradient.clone().reversed();
+        let mut residual = linearized.numbers.gradient.clone().reversed();
         let mut preconditioned = precondition(&residual)?;
         let mut search = preconditioned.clone();
         let mut norm = residual.dot(&preconditioned);
@@ -74,7 +75,7 @@ impl Current {
             search.scale_and_add(beta, &preconditioned);
             iterations += 1;
         }
-        let slope = linearized.gradient.dot(&direction);
+        let slope = linearized.numbers.gradient.dot(&direction);
         let rounding = ROUNDING * fine.parameters.unmoved;
         let decrement = -0.5 * slope / value.max(rounding);
         let stays = Reached {
@@ -82,6 +83,7 @@ impl Current {
             energy: value,
         };
         if decrement <= NOTHING * tolerance {
+            self.numbers = Some(linearized.numbers);
             return Ok((decrement.max(0.0), stays));
         }
         let mut expanded = direction.clone();
@@ -89,13 +91,16 @@ impl Current {
         let (state, goals) = (&self.state, &self.goals);
         let found = searched(limited(&direction), slope, value, |length| {
             let next = fine.moved(state, &expanded, length, goals);
-            (fine.value(&next, goals), next)
+            let numbers = Numbers::new(fine, &next, goals);
+            (numbers.value, (next, numbers))
         });
-        let Some((next, energy)) = found else {
+        let Some((next, numbers)) = found else {
+            self.numbers = Some(linearized.numbers);
             return Ok((decrement, stays));
         };
         let movement = largest_movement(state, &next);
-        self.state = next;
+        let energy = numbers.value;
+        (self.state, self.numbers) = (next, Some(numbers));
         Ok((decrement, Reached { movement, energy }))
     }
 }

@@ -78,6 +78,7 @@ impl Poser {
         settings.check()?;
         let parameters = Parameters::new(&settings, self.handles.diagonal());
         self.levels.set_parameters(parameters);
+        self.current.numbers = None;
         self.settings = settings;
         Ok(())
     }
@@ -109,6 +110,7 @@ impl Poser {
             goals,
             motion,
             targets: Some(snapshot.targets),
+            numbers: None,
         };
         Ok(())
     }
@@ -130,7 +132,9 @@ impl Poser {
         self.current.cycle(levels, handles, positions, stage)
     }
 
-    /// A stationary pose for the target `positions`, the decrement being `tolerance` at most.
+    /// A stationary pose for the target `positions`, the decrement being `tolerance` at most. Where
+    /// handles turn by more than 45° against each other, the pose follows them on their way, as the
+    /// shortest screw goes.
     ///
     /// # Errors
     /// As [`Self::drag`]; for a tolerance not in (0, 1).
@@ -152,6 +156,12 @@ impl Poser {
         check_tolerance(tolerance)?;
         let mut iterations = 0;
         let mut left = 1.0;
+        for place in self.waypoints(positions)? {
+            self.cycle(&place, stage)?;
+            iterations += 1;
+            left *= PROGRESS;
+            stage.report(1.0 - left)?;
+        }
         let mut reached = Reached {
             movement: f64::INFINITY,
             energy: f64::INFINITY,
@@ -179,6 +189,13 @@ impl Poser {
         }
         stage.report(1.0)?;
         Ok(self.outcome(Some(decrement), reached, iterations))
+    }
+
+    fn waypoints(&self, positions: &[[f64; 3]]) -> Result<Vec<Vec<[f64; 3]>>> {
+        let (_, motion) = self.handles.goals(positions)?;
+        let last = self.current.targets.as_deref();
+        let common = self.current.motion.to(&motion);
+        Ok(self.handles.waypoints(last, positions, &common))
     }
 
     /// Stationary poses for a sequence of targets, each starting from the one before.

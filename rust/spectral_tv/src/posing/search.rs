@@ -33,24 +33,24 @@ pub(super) struct Reached {
     pub energy: f64,
 }
 
-/// Halves a step until it decreases the value: the state it leads to, and its value; `None` if none
-/// does.
-pub(super) fn searched(
+/// Halves a step until it decreases the value that `at` gives of its length: what else it gives
+/// there; `None` if no step does.
+pub(super) fn searched<T>(
     first: f64,
     slope: f64,
     value: f64,
-    at: impl Fn(f64) -> (f64, State),
-) -> Option<(State, f64)> {
+    at: impl Fn(f64) -> (f64, T),
+) -> Option<T> {
     let mut length = first;
-    let (mut found, mut state) = at(length);
+    let (mut found, mut there) = at(length);
     for _ in 0..HALVINGS {
         if found <= value + ENOUGH * length * slope {
-            return Some((state, found));
+            return Some(there);
         }
         length *= 0.5;
-        (found, state) = at(length);
+        (found, there) = at(length);
     }
-    (found < value).then_some((state, found))
+    (found < value).then_some(there)
 }
 
 /// The largest movement of a vertex between two states, length.

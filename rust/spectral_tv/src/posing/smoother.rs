@@ -67,7 +67,7 @@ impl Smoother {
             .gradient()
             .triangles()
             .iter()
-            .zip(&linearized.faces)
+            .zip(&linearized.numbers.faces)
         {
             for &corner in corners {
                 masses[corner as usize] += SPIN / 3.0 * face.weight;
@@ -143,7 +143,7 @@ impl Block {
     ) -> Result<()> {
         let operators = &linearized.model.operators;
         let areas = operators.gradient().face_areas().iter();
-        let faces = linearized.faces.iter().zip(areas).enumerate();
+        let faces = linearized.numbers.faces.iter().zip(areas).enumerate();
         let weights: Vec<f64> = faces
             .map(|(place, (face, &area))| match area > 0.0 {
                 true => scale * linearized.crushing(place) * face.weight / area,
