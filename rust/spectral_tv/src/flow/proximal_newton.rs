@@ -1,14 +1,13 @@
 //! A proximal step of TV by the primal–dual Newton iteration, down to a given gap.
 
-use ndarray::Array2;
-
 use crate::discretization::Discretization;
 use crate::error::Result;
+use crate::flow::descent::{Descent, Place};
 use crate::flow::duality_gap::duality_gap;
-use crate::flow::increment::Precision;
 use crate::flow::recorder::Solution;
+use crate::flow::rigid_parts::RigidParts;
 use crate::flow::time_step::TimeStep;
-use crate::minimization::{Energy, PrimalDualNewton, Variation};
+use crate::minimization::{PrimalDualNewton, TangentField};
 use crate::monitor::Stage;
 
 /// Factorizations after which a step ends with the gap it has, which is reported.
@@ -16,13 +15,26 @@ const MOST_ITERATIONS: usize = 200;
 /// Shrinkage of ε from one iteration to the next, while it is above its goal.
 const CONTINUATION: f64 = 0.2;
 
+/// Of functions on edges, ε and |∇u| in units of tolerance × mean |∇u|, which is what a smoothing may cost:
+/// the least ε, which leaves a third of the gap to Newton's iteration; the ε of an iteration that has
+/// only to prove that the state is right; and the gradients up to which parts are rigid.
+const LEAST: f64 = 2.5;
+const PROVING: f64 = 1.5;
+const FLAT: f64 = 10.0;
+/// The longest step on edges: what exceeds a Newton direction is out of balance with the dual field.
+const LONGEST: f64 = 1.0;
+/// The gap after an iteration, in units of the one sought, that tells that the dual field at hand is of no
+/// use: ε starts anew.
+const LOST: f64 = 100.0;
+/// Iterations on the whole mesh after which parts are looked for anew.
+const MANY: usize = 2;
+
 /// Solves a sequence of proximal steps, each warm-started by the dual of the one before.
 pub(super) struct ProximalNewton<'a> {
     operators: &'a Discretization,
     newton: PrimalDualNewton,
     epsilon: f64,
-    /// What the last step changed by its length, where states are guessed by it.
-    velocity: Option<Array2<f64>>,
+    rigid: Option<RigidParts>,
 }
 
 impl<'a> ProximalNewton<'a> {
@@ -32,7 +44,7 @@ impl<'a> ProximalNewton<'a> {
             operators,
             newton: PrimalDualNewton::new(operators, channels, stage)?,
             epsilon: f64::INFINITY,
-            velocity: None,
+            rigid: None,
         })
     }
 
@@ -48,72 +60,70 @@ impl<'a> ProximalNewton<'a> {
         let mean_gradient = start / self.operators.area();
         // Smoothing costs at most about 0.3 ε a unit of area, so this much is affordable.
         let goal = tolerance * mean_gradient;
-        self.epsilon = self.epsilon.min(mean_gradient).max(goal);
         let target = tolerance * step.tau * start;
-        let mut best = Solution {
-            state: step.data.clone(),
-            precision: Precision::Double,
-            gap: f64::INFINITY,
-            tau: step.tau,
-        };
-        let mut state = self.guess(step, &mut best, stage)?;
-        let most = if best.gap <= target {
-            0
-        } else {
-            MOST_ITERATIONS
-        };
-        for _ in 0..most {
-            let variation = Variation::smoothed(self.epsilon);
-            let energy = Energy {
-                operators: self.operators,
-                weights: &|norms| variation.weights(norms),
-                least_weight: 0.0,
-                mass: self.operators.mass(),
-                data: &step.data,
-                tau: step.tau,
-                fixed: &[],
-            };
-            let slope = stage.pass(|| energy.slope(state.view()))?;
-            let descent = stage.pass(|| energy.descent(state.view(), &slope))?;
-            let direction = self.newton.direction(&energy, &slope, &descent, stage)?;
-            let length = energy.line_search(&slope, &direction, &descent, stage)?;
-            stage.pass(|| self.newton.update_dual(&energy, &slope, &direction))?;
-            state.scaled_add(length, &direction);
-            let dual = self.newton.dual();
-            let gap = stage.pass(|| duality_gap(self.operators, step, state.view(), dual))?;
-            if gap < best.gap {
-                best.gap = gap;
-                best.state.assign(&state);
-            }
-            if best.gap <= target {
-                break;
-            }
-            self.epsilon = (CONTINUATION * self.epsilon).max(goal);
-        }
         if !self.operators.mass().is_lumped() {
-            let mut velocity = &best.state - &step.data;
-            velocity /= step.tau;
-            self.velocity = Some(velocity);
+            return self.solve_on_edges(step, mean_gradient, goal, target, stage);
         }
-        Ok(best)
+        self.epsilon = self.epsilon.min(mean_gradient).max(goal);
+        let descent = Descent {
+            operators: self.operators,
+            step,
+            target,
+            least: goal,
+            shrinkage: |_| CONTINUATION,
+            longest: f64::INFINITY,
+        };
+        let mut place = Place::at_start(step, self.epsilon);
+        descent.go_on(&mut self.newton, &mut place, MOST_ITERATIONS, stage)?;
+        self.epsilon = place.epsilon;
+        Ok(place.best)
     }
 
-    /// A state to start from, and the best of those that were tried. On edges a state that goes on as
-    /// the last step did costs nothing, and is nearly the solution while a set fades.
-    fn guess(&self, step: &TimeStep, best: &mut Solution, stage: Stage) -> Result<Array2<f64>> {
-        let Some(velocity) = &self.velocity else {
-            return Ok(step.data.clone());
+    /// The same on edges. Newton's iteration meets more kinks there, and takes several times as many
+    /// factorizations. But sets are flat nearly everywhere. So the step is solved with rigid parts first,
+    /// which takes little time, and an iteration on the whole mesh proves that it is right or corrects it.
+    fn solve_on_edges(
+        &mut self,
+        step: &TimeStep,
+        mean_gradient: f64,
+        goal: f64,
+        target: f64,
+        stage: Stage,
+    ) -> Result<Solution> {
+        let least = LEAST * goal;
+        let is_first = self.epsilon.is_infinite();
+        self.epsilon = match (is_first, &self.rigid) {
+            (true, _) => mean_gradient.max(least),
+            (false, Some(_)) => PROVING * goal,
+            (false, None) => 2.0 * least,
         };
-        let mut ahead = step.data.clone();
-        ahead.scaled_add(step.tau, velocity);
-        let (operators, dual) = (self.operators, self.newton.dual());
-        let gap = |state: &Array2<f64>| duality_gap(operators, step, state.view(), dual);
-        let [at_rest, going_on] = stage.pass(|| [&step.data, &ahead].map(gap))?;
-        if going_on > at_rest {
-            return Ok(step.data.clone());
+        let mut place = Place::at_start(step, self.epsilon);
+        if let Some(rigid) = &mut self.rigid {
+            let mut dual: TangentField = self.newton.dual().clone();
+            let masses = self.operators.masses();
+            place.state = rigid.solve(step, &mut dual, goal, target, masses, stage)?;
+            self.newton.go_on_from(dual);
+            let (state, dual) = (place.state.view(), self.newton.dual());
+            let gap = stage.pass(|| duality_gap(self.operators, step, state, dual))?;
+            place.keep(gap);
         }
-        best.gap = going_on;
-        best.state.assign(&ahead);
-        Ok(ahead)
+        let descent = Descent {
+            operators: self.operators,
+            step,
+            target,
+            least,
+            shrinkage: |_| CONTINUATION,
+            longest: LONGEST,
+        };
+        let mut iterations = descent.go_on(&mut self.newton, &mut place, 1, stage)?;
+        if !is_first && place.best.gap > LOST * target {
+            place.epsilon = mean_gradient.max(least);
+        }
+        iterations += descent.go_on(&mut self.newton, &mut place, MOST_ITERATIONS, stage)?;
+        if self.rigid.is_none() || iterations > MANY {
+            let state = place.best.state.view();
+            self.rigid = RigidParts::of(self.operators, state, FLAT * goal, stage)?;
+        }
+        Ok(place.best)
     }
 }

@@ -108,7 +108,10 @@ impl PrimalDualNewton {
         match mass.is_lumped() {
             true => stage.pass(|| pattern.assemble(gradient, masses, stiffness, system))?,
             false => {
-                let both = |face| stiffness(face).map(|entry| entry + mass.off_diagonal(face));
+                let both = |face| {
+                    let ([a, b, c], [x, y, z]) = (stiffness(face), mass.off_diagonal(face));
+                    [a + x, b + y, c + z]
+                };
                 stage.pass(|| pattern.assemble(gradient, masses, both, system))?;
             }
         }
@@ -164,6 +167,11 @@ impl PrimalDualNewton {
             }
         }
         self.set_dual(energy, slope, field);
+    }
+
+    /// Goes on from `dual`, which is within the unit ball.
+    pub fn go_on_from(&mut self, dual: TangentField) {
+        self.dual = dual;
     }
 
     /// Starts anew with the dual field 0, for functions with `channels` channels.

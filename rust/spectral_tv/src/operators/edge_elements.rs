@@ -66,7 +66,12 @@ impl EdgeElements {
     pub fn gradient(&self, gradient: &Gradient) -> Gradient {
         let hats = gradient.hats().iter();
         let hats = hats.map(|hats| hats.map(|hat| hat.map(|component| -2.0 * component)));
-        gradient.of_other_functions(hats.collect(), Arc::clone(&self.edges), self.ends.len())
+        Gradient::of_functions(
+            hats.collect(),
+            Arc::clone(&self.edges),
+            gradient.face_areas().to_vec(),
+            self.ends.len(),
+        )
     }
 
     /// M: a third of the area of each edge's triangles, length², E; 0 for edges without area.

@@ -1,6 +1,5 @@
 //! The per-face gradient G and its adjoint.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use ndarray::ArrayView1;
@@ -52,47 +51,20 @@ impl Gradient {
         })
     }
 
-    /// The same for other linear functions on the same triangles: N unknowns, three of them to each
-    /// triangle, that multiply functions with gradients `hats`, which sum to 0.
-    pub(super) fn of_other_functions(
-        &self,
+    /// That of other linear functions: N unknowns, three of them to each triangle, multiply functions
+    /// with gradients `hats`, which sum to 0.
+    pub fn of_functions(
         hats: Vec<[FaceVector; 3]>,
         triangles: Arc<[[u32; 3]]>,
+        face_areas: Vec<f64>,
         count: usize,
     ) -> Self {
         Self {
             hats,
             triangles,
-            face_areas: self.face_areas.clone(),
+            face_areas,
             vertex_count: count,
         }
-    }
-
-    /// The same on some of the triangles, `faces`, and which unknowns these have: the first of them
-    /// is the first unknown there, and so on.
-    pub fn on_faces(&self, faces: &[u32]) -> (Self, Vec<u32>) {
-        let mut numbers = HashMap::new();
-        let mut unknowns = Vec::new();
-        let mut number = |unknown: u32| {
-            *numbers.entry(unknown).or_insert_with(|| {
-                unknowns.push(unknown);
-                unknowns.len() as u32 - 1
-            })
-        };
-        let triangles: Vec<_> = faces
-            .iter()
-            .map(|&face| self.triangles[face as usize].map(&mut number))
-            .collect();
-        let gradient = Self {
-            hats: faces.iter().map(|&face| self.hats[face as usize]).collect(),
-            face_areas: faces
-                .iter()
-                .map(|&face| self.face_areas[face as usize])
-                .collect(),
-            vertex_count: unknowns.len(),
-            triangles: triangles.into(),
-        };
-        (gradient, unknowns)
     }
 
     /// Area of each face, length².

@@ -46,13 +46,16 @@ impl<'a> Mass<'a> {
         self.couplings.is_empty()
     }
 
-    /// The off-diagonal entry of H that is each triangle's share.
+    /// The off-diagonal entries of H that are a triangle's share, opposite to its unknowns; 0 for two
+    /// places that have the same unknown.
     #[inline]
-    pub fn off_diagonal(&self, triangle: usize) -> f64 {
-        match self.is_lumped() {
-            true => 0.0,
-            false => -self.couplings[triangle],
+    pub fn off_diagonal(&self, triangle: usize) -> [f64; 3] {
+        if self.is_lumped() {
+            return [0.0; 3];
         }
+        let [a, b, c] = self.triangles[triangle];
+        let entry = -self.couplings[triangle];
+        [(b, c), (c, a), (a, b)].map(|(p, q)| if p == q { 0.0 } else { entry })
     }
 
     /// w ← H w.

@@ -1,11 +1,14 @@
 //! The operators of one mesh and what solving with them needs: built once, shared by all steps.
 
+mod checks;
+mod parts;
+
 use std::sync::{Arc, OnceLock};
 
 use ndarray::{Array2, ArrayView2};
 
 pub use crate::elements::Elements;
-use crate::error::{ArgumentError, Error, Result, unusable_values};
+use crate::error::Result;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
@@ -14,9 +17,6 @@ use crate::operators::{
     self, EdgeElements, EdgeLaplacian, Gradient, LaplacianPattern, Mass, invertible_masses,
 };
 use crate::solver::{Cholesky, Demand, LinearSolver, Solver, Symbolic};
-
-/// Gradients from here on are refused: their squares, added up, have to be numbers.
-const STEEPEST: f64 = 1e145;
 
 /// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
 ///
@@ -109,24 +109,6 @@ impl Discretization {
             on_edges: None,
             area,
         })
-    }
-
-    /// The operators of some of the triangles by themselves, `faces`, and which unknowns these have, in
-    /// the order that they have there. The mass is lumped.
-    ///
-    /// # Errors
-    /// As [`Self::new_with`].
-    pub(crate) fn on_faces(&self, faces: &[u32], stage: Stage) -> Result<(Self, Vec<u32>)> {
-        let (gradient, unknowns) = self.gradient.on_faces(faces);
-        let mut masses = vec![0.0; unknowns.len()];
-        for (triangle, area) in gradient.triangles().iter().zip(gradient.face_areas()) {
-            for &unknown in triangle {
-                masses[unknown as usize] += area / 3.0;
-            }
-        }
-        let area = gradient.face_areas().iter().sum();
-        let operators = Self::of_parts(gradient, invertible_masses(&masses), area, stage)?;
-        Ok((operators, unknowns))
     }
 
     /// What functions are made of.
@@ -249,61 +231,12 @@ impl Discretization {
     pub fn area(&self) -> f64 {
         self.area
     }
-
-    /// Refuses functions of values up to `largest` whose gradients could not be squared.
-    ///
-    /// # Errors
-    /// [`Error::Argument`].
-    pub fn check_gradients(&self, largest: f64) -> Result<()> {
-        match largest * self.steepest_hat < STEEPEST {
-            true => Ok(()),
-            false => Err(ArgumentError::contradiction(
-                "values",
-                &["mesh"],
-                format!(
-                    "values of {largest:.0e} on faces {:.0e} high have gradients beyond {STEEPEST:.0e}",
-                    self.steepest_hat.recip()
-                ),
-            ).into()),
-        }
-    }
-
-    /// Refuses `values` that are not a finite function on this mesh, (C, V) with C ≥ 1.
-    ///
-    /// # Errors
-    /// Names the shape, or the first vertex and channel whose value is not finite; as
-    /// [`Self::check_gradients`].
-    pub fn check_values(&self, values: ArrayView2<f64>) -> Result<()> {
-        let (channels, vertices) = values.dim();
-        if channels == 0 || vertices != self.vertex_count() {
-            return Err(ArgumentError::contradiction(
-                "values",
-                &["mesh"],
-                format!(
-                    "values must have one row per vertex ({}) and at least one channel, but have \
-                     {vertices} rows and {channels} channels",
-                    self.vertex_count()
-                ),
-            )
-            .into());
-        }
-        match unusable_values(values) {
-            Some((vertices, channel, value)) => Err(Error::NonFiniteValues {
-                vertices,
-                channel,
-                value,
-            }),
-            None => {
-                let largest = values.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
-                self.check_gradients(largest)
-            }
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
 
     #[test]
     fn preparations_end_when_cancelled() {
