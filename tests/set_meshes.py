@@ -98,6 +98,27 @@ def jittered_torus(vertices: int) -> Mesh:
     return np.stack(points, axis=1), triangles
 
 
+def half_sphere(vertices: int) -> Mesh:
+    """The upper half of the unit sphere, open at the equator: random points, Delaunay triangles of
+    their projection that keeps areas."""
+    rng = np.random.default_rng(0)
+    rim = round(2 * np.sqrt(np.pi * vertices / 2))
+    angles = np.concatenate(
+        [np.arange(rim) * 2 * np.pi / rim, rng.random(vertices - rim) * 2 * np.pi]
+    )
+    inner = 1 - 1 / np.sqrt(vertices)
+    radii = np.concatenate([np.ones(rim), inner * np.sqrt(rng.random(vertices - rim))])
+    flat = radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    across = np.sqrt(2 - radii**2)[:, None] * flat
+    points = np.column_stack([across, 1 - radii**2])
+    return points, Delaunay(flat).simplices.astype(np.int64)
+
+
+def half_cap(mesh: Mesh, angle: float = 0.8) -> KnownSet:
+    """Half a cap, around a point of the border of the half sphere: the border is no boundary."""
+    return KnownSet(mesh, mesh[0][:, 0] > np.cos(angle), np.pi * np.sin(angle))
+
+
 def regular_square(vertices: int) -> Mesh:
     """Squares cut along parallel diagonals."""
     count = round(np.sqrt(vertices))
@@ -152,6 +173,8 @@ SETS: dict[str, tuple[Callable[[Mesh], KnownSet], Callable[[int], Mesh]]] = {
     "disc, regular": (disc, regular_square),
     "disc, Delaunay": (disc, random_square),
     "disc, cells of 8:1": (disc, stretched_square),
+    "cap of 1.0, half sphere": (lambda mesh: cap(mesh, 1), half_sphere),
+    "half a cap of 0.8, half sphere": (half_cap, half_sphere),
     "half of the dumbbell, squeezed": (half_dumbbell, squeezed_dumbbell),
 }  # fmt: skip
 

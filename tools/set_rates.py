@@ -1,6 +1,7 @@
 """How true the rates of sets are, as a table: python -m tools.set_rates [--largest 41000].
 
-The table is written into docs/sets.md, between its marks. Sets and meshes are those of the tests.
+The table is written into docs/sets.md, between its marks, and the picture of the convergence
+beside the others. Sets and meshes are those of the tests.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import spectral_tv
 from tqdm import tqdm
+
+from .set_rates_picture import parsed, picture
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -73,6 +76,7 @@ def main() -> None:
     before, rest = page.read_text().split(MARKS[0])
     _, after = rest.split(MARKS[1])
     page.write_text(f"{before}{MARKS[0]}\n" + "\n".join(lines) + f"\n{MARKS[1]}{after}")
+    (ROOT / "docs" / "pictures" / "set_rates.svg").write_text(picture(parsed(lines)))
 
 
 if __name__ == "__main__":

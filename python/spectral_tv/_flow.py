@@ -18,16 +18,15 @@ Elements: TypeAlias = Annotated[
     Annotated[
         Literal["vertices"],
         "continuous, with an unknown per vertex; better for smooth functions, but a set fades 2 to "
-        "5 % too fast.",
+        "7 % too fast.",
     ]
     | Annotated[
         Literal["edges"],
         "Crouzeix–Raviart, with an unknown per edge; sets fade at their true rates. The steps are "
-        "exact, and take about twice as long.",
+        "exact, and take two to three times as long.",
     ],
-    "The elements that the function is made of while it flows. Default: edges for a TV flow of a "
-    "function that has two values in every channel, unless the scheme is given as another than "
-    '"exact"; else vertices.',
+    "The elements that the function is made of while it flows. Default: `suiting_elements` of the "
+    'values for a TV flow, unless the scheme is given as another than "exact"; else vertices.',
 ]
 
 

@@ -148,8 +148,7 @@ class EigensetTest(_Result):
     eigenvalue : float
         λ = per(C)/|C|, 1/length.
     rate : float
-        How fast the value on C falls under the exact flow on edges (see `flow`), 1/length: λ as
-        measured.
+        How fast the value on C falls under the exact flow, 1/length: λ as measured.
     straightness : float
         R² of that fall as a straight line, down to extinction.
     spread : float

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use spectral_tv::Named;
 use spectral_tv::discretization::{Discretization, Elements};
 use spectral_tv::flow::{Operator, Scheme, conformal_mean_curvature_flow_with, flow_with};
 use spectral_tv::monitor::Stage;
@@ -56,6 +57,27 @@ pub fn start_flow(
         let flow = Flow::new(SpectralTransform::new(trajectory), masses, layout);
         Ok(flow.into_bound_py_any(py)?)
     })
+}
+
+/// The elements that `flow` takes for a function by default, if its steps are exact: "edges" if every
+/// channel has one or two values, and not all of them one, on up to 250 000 vertices; else "vertices".
+///
+/// Parameters
+/// ----------
+/// values : (V,) or (V, C) array
+///
+/// Returns
+/// -------
+/// str
+///
+/// Raises
+/// ------
+/// MeshError
+///     If the values are of another shape.
+#[pyfunction]
+pub fn suiting_elements(values: &Bound<'_, PyAny>) -> Result<&'static str, Failure> {
+    let (values, _) = arrays::channels("values", values)?;
+    Ok(Elements::suiting(values.view()).name())
 }
 
 #[pyfunction]

@@ -93,14 +93,20 @@ impl EigensetTest {
 /// If there is not one value per vertex, the set has no boundary, memory does not suffice, or a
 /// system cannot be solved.
 pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool]) -> Result<EigensetTest> {
-    eigenset_test_with(mesh, set, Monitor::new().whole())
+    eigenset_test_with(mesh, set, Elements::Edges, Monitor::new().whole())
 }
 
-/// [`eigenset_test`], watched: `stage` tells how far it is, and cancels it.
+/// [`eigenset_test`] with the flow on these `elements`, watched: `stage` tells how far it is, and
+/// cancels it. Perimeters are those of functions on edges in any case.
 ///
 /// # Errors
 /// As [`eigenset_test`], or [`crate::Error::Cancelled`].
-pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<EigensetTest> {
+pub fn eigenset_test_with(
+    mesh: &TriangleMesh,
+    set: &[bool],
+    elements: Elements,
+    stage: Stage,
+) -> Result<EigensetTest> {
     let areas = mesh.vertex_areas();
     if set.len() != areas.len() {
         return Err(ArgumentError::count(
@@ -129,8 +135,12 @@ pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Re
     }
     let size = needs::Size::of(mesh);
     // Beside the flow, the supersets and what diffuses them.
+    let flow_needs = match elements {
+        Elements::Vertices => needs::flow(size, 1, STEPS, false),
+        Elements::Edges => needs::edge_flow(size, 1, STEPS),
+    };
     stage.require(
-        needs::flow(size, 1, STEPS, false).saturating_add(needs::solutions(size, 0)),
+        flow_needs.saturating_add(needs::solutions(size, 0)),
         &format!("testing a set of {} vertices", set.len()),
         "take a mesh of fewer vertices",
     )?;
@@ -151,7 +161,11 @@ pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Re
     let lifetime = area / length;
     let time = |k: usize| LIFETIMES * lifetime * k as f64 / STEPS as f64;
     let times: Vec<f64> = (0..=STEPS).map(time).collect();
-    let flow = proximal_flow(&on_edges, GAP, psi, &times, stage.stage(0.0, FLOW_SHARE))?;
+    let flowing = match elements {
+        Elements::Vertices => &operators,
+        Elements::Edges => &on_edges,
+    };
+    let flow = proximal_flow(flowing, GAP, psi, &times, stage.stage(0.0, FLOW_SHARE))?;
     // The set, and what is outside of it of every component.
     let region = |v: usize| {
         if set[v] {

@@ -1,5 +1,7 @@
 //! A proximal step of TV by the primal–dual Newton iteration, down to a given gap.
 
+use ndarray::ArrayView2;
+
 use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::descent::{Descent, Place};
@@ -7,7 +9,7 @@ use crate::flow::duality_gap::duality_gap;
 use crate::flow::recorder::Solution;
 use crate::flow::rigid_parts::RigidParts;
 use crate::flow::time_step::TimeStep;
-use crate::minimization::{PrimalDualNewton, TangentField};
+use crate::minimization::PrimalDualNewton;
 use crate::monitor::Stage;
 
 /// Factorizations after which a step ends with the gap it has, which is reported.
@@ -26,8 +28,10 @@ const LONGEST: f64 = 1.0;
 /// The gap after an iteration, in units of the one sought, that tells that the dual field at hand is of no
 /// use: ε starts anew.
 const LOST: f64 = 100.0;
-/// Iterations on the whole mesh after which parts are looked for anew.
-const MANY: usize = 2;
+/// Iterations on the whole mesh before parts are looked for, and after which they are looked for anew; and
+/// those of the first step, in which ε comes down from the mean gradient.
+const FEW: usize = 2;
+const FEW_AT_FIRST: usize = 4;
 
 /// Solves a sequence of proximal steps, each warm-started by the dual of the one before.
 pub(super) struct ProximalNewton<'a> {
@@ -92,21 +96,10 @@ impl<'a> ProximalNewton<'a> {
     ) -> Result<Solution> {
         let least = LEAST * goal;
         let is_first = self.epsilon.is_infinite();
-        self.epsilon = match (is_first, &self.rigid) {
-            (true, _) => mean_gradient.max(least),
-            (false, Some(_)) => PROVING * goal,
-            (false, None) => 2.0 * least,
+        self.epsilon = match is_first {
+            true => mean_gradient.max(least),
+            false => 2.0 * least,
         };
-        let mut place = Place::at_start(step, self.epsilon);
-        if let Some(rigid) = &mut self.rigid {
-            let mut dual: TangentField = self.newton.dual().clone();
-            let masses = self.operators.masses();
-            place.state = rigid.solve(step, &mut dual, goal, target, masses, stage)?;
-            self.newton.go_on_from(dual);
-            let (state, dual) = (place.state.view(), self.newton.dual());
-            let gap = stage.pass(|| duality_gap(self.operators, step, state, dual))?;
-            place.keep(gap);
-        }
         let descent = Descent {
             operators: self.operators,
             step,
@@ -115,15 +108,52 @@ impl<'a> ProximalNewton<'a> {
             shrinkage: |_| CONTINUATION,
             longest: LONGEST,
         };
-        let mut iterations = descent.go_on(&mut self.newton, &mut place, 1, stage)?;
-        if !is_first && place.best.gap > LOST * target {
-            place.epsilon = mean_gradient.max(least);
+        let mut place = Place::at_start(step, self.epsilon);
+        let mut iterations = 0;
+        if self.rigid.is_none() {
+            let few = if is_first { FEW_AT_FIRST } else { FEW };
+            iterations += descent.go_on(&mut self.newton, &mut place, few, stage)?;
+            if place.best.gap > target {
+                self.find_parts(place.state.view(), goal, stage)?;
+            }
+        }
+        if self.rigid.is_some() && place.best.gap > target {
+            self.move_parts(&descent, &mut place, goal, stage)?;
+            place.epsilon = PROVING * goal;
+            iterations += descent.go_on(&mut self.newton, &mut place, 1, stage)?;
+            if place.best.gap > LOST * target {
+                place.epsilon = mean_gradient.max(least);
+            }
         }
         iterations += descent.go_on(&mut self.newton, &mut place, MOST_ITERATIONS, stage)?;
-        if self.rigid.is_none() || iterations > MANY {
-            let state = place.best.state.view();
-            self.rigid = RigidParts::of(self.operators, state, FLAT * goal, stage)?;
+        if is_first || iterations > FEW {
+            self.find_parts(place.best.state.view(), goal, stage)?;
         }
         Ok(place.best)
+    }
+
+    fn find_parts(&mut self, state: ArrayView2<f64>, goal: f64, stage: Stage) -> Result<()> {
+        self.rigid = RigidParts::of(self.operators, state, FLAT * goal, stage)?;
+        Ok(())
+    }
+
+    /// Takes the step with rigid parts.
+    fn move_parts(
+        &mut self,
+        descent: &Descent,
+        place: &mut Place,
+        goal: f64,
+        stage: Stage,
+    ) -> Result<()> {
+        let Some(rigid) = &mut self.rigid else {
+            return Ok(());
+        };
+        let (masses, mut dual) = (self.operators.masses(), self.newton.dual().clone());
+        place.state = rigid.solve(descent.step, &mut dual, goal, descent.target, masses, stage)?;
+        let state = place.state.view();
+        let gap = stage.pass(|| duality_gap(self.operators, descent.step, state, &dual))?;
+        self.newton.go_on_from(dual);
+        place.keep(gap);
+        Ok(())
     }
 }
