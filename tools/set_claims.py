@@ -42,7 +42,7 @@ def straightness(vertices: int) -> list[float]:
 
 
 def sleeves(vertices: int) -> dict[str, list[float]]:
-    """When the jumps of two sleeves of the torus vanish, relative to the theory's time of the first.
+    """When the jumps of two sleeves of the torus vanish, relative to the theory's time of one.
 
     The second has the weight of the inverse ratio of areas, or of rates. The set between them
     rises. So the jump of a sleeve C falls at the rate per(C)/|C| + (per(C₁) + per(C₂))/|outside|.
@@ -106,8 +106,8 @@ def table(vertices: int) -> list[str]:
         ),
         (
             "A small disc on the torus is an eigenset (figure 5)",
-            f"yes: its rate is {100 * (small.rate / small.eigenvalue - 1):+.2f} % off per/area; the "
-            f"least ratio of perimeters of larger sets is {small.perimeter_ratio:.3f}",
+            f"yes: its rate is {100 * (small.rate / small.eigenvalue - 1):+.2f} % off per/area; "
+            f"the least ratio of perimeters of larger sets is {small.perimeter_ratio:.3f}",
         ),
         (
             "A large one is none, and becomes a sleeve (figure 5)",

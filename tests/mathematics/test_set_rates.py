@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import set_meshes
 import spectral_tv
-from shapes import cylinder_open, icosphere
+from shapes import cylinder_open, grid, icosphere
 
 COARSE, FINE = 2_562, 10_242
 STEPS = 16
@@ -35,6 +35,8 @@ def fading(known: set_meshes.KnownSet) -> tuple[spectral_tv.Flow, float, np.ndar
         ("cap of 1.0, decimated", COARSE, 0.01),
         ("disc, Delaunay", COARSE, 0.01),
         ("complement of the cap of 1.0, jittered", COARSE, 0.01),
+        ("cap of 1.0, half sphere", COARSE, 0.005),
+        ("half a cap of 0.8, half sphere", COARSE, 0.005),
     ],
 )
 def test_a_set_fades_straight_to_extinction_at_its_rate(name, vertices, error):
@@ -73,6 +75,31 @@ def test_bands_of_sets_add_up_and_keep_the_mean(shape):
     assert flow.states.min() > -1e-3 and flow.states.max() < 1 + 1e-3
 
 
+BALL = icosphere(4)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "triangles"),
+    [grid(8, 512), (BALL[0] * [1, 1, 0.02], BALL[1])],
+    ids=["cells of 64:1", "pancake"],
+)
+def test_values_stay_between_those_of_the_set_and_the_rest_on_bad_triangles(vertices, triangles):
+    mesh = spectral_tv.Mesh(vertices, triangles)
+    members = (vertices[:, 0] > 0.5).astype(float)
+    flow = spectral_tv.flow(mesh, members, np.linspace(0, 0.2, 5))
+    assert flow.gap.max() <= 1e-3
+    assert flow.states.min() > -1e-3 and flow.states.max() < 1 + 1e-3
+    means = flow.mean(np.ones(len(vertices)))
+    np.testing.assert_allclose(means, np.broadcast_to(means[0], means.shape), atol=1e-12)
+
+
+def test_a_border_across_an_eigenset_is_no_boundary():
+    known = set_meshes.half_cap(set_meshes.half_sphere(COARSE))
+    found = spectral_tv.eigenset_test(spectral_tv.Mesh(*known.mesh), known.members)
+    assert found.is_eigenset
+    assert found.perimeter == pytest.approx(known.perimeter, rel=0.01)
+
+
 def test_elements_are_chosen_by_what_flows():
     vertices, triangles = icosphere(3)
     mesh = spectral_tv.Mesh(vertices, triangles)
@@ -82,6 +109,10 @@ def test_elements_are_chosen_by_what_flows():
     def last(values, **options):
         return spectral_tv.flow(mesh, values, times, **options).states[-1]
 
+    assert spectral_tv.suiting_elements(group) == "edges"
+    assert spectral_tv.suiting_elements(height) == "vertices"
+    # There are iterated steps on vertices alone, and a factorization of so many takes long.
+    assert spectral_tv.suiting_elements(np.arange(250_001) < 7) == "vertices"
     on_edges = last(group, elements="edges")
     np.testing.assert_array_equal(last(group), on_edges)
     np.testing.assert_array_equal(last(2 * group - 5, exact=True), last(
@@ -123,4 +154,5 @@ def test_an_edge_of_three_faces_is_one_unknown():
     flow = spectral_tv.flow(mesh, inside.astype(float), np.linspace(0, 0.1, 5))
     assert flow.gap.max() <= 1e-3
     found = spectral_tv.eigenset_test(mesh, inside)
+    assert found.rate == pytest.approx(found.eigenvalue, rel=0.02)
     assert found.perimeter == pytest.approx(3 * np.pi * 0.52, rel=0.02)

@@ -16,10 +16,11 @@ const RINGS: usize = 3;
 /// Parts are of use if no more than this share of the unknowns is left.
 const LARGEST_SHARE: f64 = 0.5;
 /// Iterations of a step, which are cheap here.
-const MOST_ITERATIONS: usize = 8;
-/// Gap of a step, and ε at first, relative to what is sought on the whole mesh.
-const GAP: f64 = 0.3;
+const MOST_ITERATIONS: usize = 20;
+/// Gap of a step, and ε at first and in the end, relative to what is sought on the whole mesh.
+const GAP: f64 = 0.1;
 const FIRST_EPSILON: f64 = 10.0;
+const LEAST_EPSILON: f64 = 0.5;
 /// Shrinkage of ε from one iteration to the next.
 const CONTINUATION: f64 = 0.4;
 
@@ -105,7 +106,7 @@ impl RigidParts {
             operators: &self.operators,
             step: &step,
             target: GAP * target,
-            least: goal,
+            least: LEAST_EPSILON * goal,
             shrinkage: |_| CONTINUATION,
             longest: f64::INFINITY,
         };
