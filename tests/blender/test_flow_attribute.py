@@ -93,8 +93,8 @@ def test_groups_flow_on_edges_and_smooth_values_on_vertices(sphere):
     add_attribute(sphere, "Height", VERTICES[:, 2])
     found = {}
     for elements in ("AUTOMATIC", "EDGES", "VERTICES"):
-        flow(kind="GROUP", source="Cap", elements=elements, size=30, steps=6)
-        flow(source="Height", elements=elements, size=30, steps=6)
+        flow(kind="GROUP", source="Cap", elements=elements, size=10, steps=6)
+        flow(source="Height", elements=elements, size=10, steps=6)
         found[elements] = weights(sphere, "Cap Flow"), attribute(sphere, "Height Flow")
     for each, same in ((0, "EDGES"), (1, "VERTICES")):
         other = {"EDGES": "VERTICES", "VERTICES": "EDGES"}[same]

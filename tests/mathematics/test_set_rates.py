@@ -112,7 +112,7 @@ def test_elements_are_chosen_by_what_flows():
     assert spectral_tv.suiting_elements(group) == "edges"
     assert spectral_tv.suiting_elements(height) == "vertices"
     # There are iterated steps on vertices alone, and a factorization of so many takes long.
-    assert spectral_tv.suiting_elements(np.arange(250_001) < 7) == "vertices"
+    assert spectral_tv.suiting_elements(1.0 * (np.arange(250_001) < 7)) == "vertices"
     on_edges = last(group, elements="edges")
     np.testing.assert_array_equal(last(group), on_edges)
     np.testing.assert_array_equal(last(2 * group - 5, exact=True), last(
