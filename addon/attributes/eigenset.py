@@ -8,9 +8,11 @@ import spectral_tv
 from bpy.props import StringProperty
 
 from ..job.operator import JobOperator
+from ..options.properties import choices_of
 from ..scene import mix
 from ..scene.surface import Surface
 from .outputs import write
+from .settings import EigensetSettings, chosen_elements
 from .sources import Source, read
 
 SUPERSET = "Superset"
@@ -23,9 +25,13 @@ class Prepared:
     source: Source
     surface: Surface
     members: np.ndarray
+    elements: str
 
 
-class SPECTRAL_TV_OT_test_eigenset(JobOperator, bpy.types.Operator):
+EigensetChoices = choices_of(EigensetSettings)
+
+
+class SPECTRAL_TV_OT_test_eigenset(JobOperator, EigensetChoices, bpy.types.Operator):
     """Test whether a vertex group fades as a whole and in a straight line under Total Variation.
     If a larger set with a smaller boundary is found, it is written as a vertex group"""
 
@@ -40,10 +46,14 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, bpy.types.Operator):
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         source, surface = read(obj, "GROUP", self.group), Surface.read(obj, mix.shown(obj))
-        return Prepared(source, surface, surface.merge(source.values)[:, 0] >= 0.5)
+        members = surface.merge(source.values)[:, 0] >= 0.5
+        elements = chosen_elements(self.elements, members.astype(float))
+        return Prepared(source, surface, members, elements)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
-        return spectral_tv.start_eigenset_test(prepared.surface.mesh, prepared.members)
+        return spectral_tv.start_eigenset_test(
+            prepared.surface.mesh, prepared.members, elements=prepared.elements
+        )
 
     def write(
         self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.EigensetTest
@@ -53,7 +63,7 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, bpy.types.Operator):
             superset = prepared.surface.to_vertices(result.superset)
             (name,) = write(obj, prepared.source, {SUPERSET: superset[:, np.newaxis]})
             text += f", {name!r}"
-        return f"{text}; tested"
+        return f"{text}; tested on {prepared.elements}"
 
 
 def verdict(name: str, test: spectral_tv.EigensetTest) -> str:

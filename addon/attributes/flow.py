@@ -27,6 +27,8 @@ class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeChoices, bpy.types.Ope
         found = results(prepared, self.settings(), result)
         names = write(obj, prepared.source, found)
         text = f"{prepared.source.name!r} written as {', '.join(map(repr, names))}"
+        if prepared.arguments.get("elements") == "edges":
+            text += ", flowed on edges"
         if prepared.source.kind == "GROUP" and len(found) == 1:
             (weights,) = found.values()
             cut = int(((weights < -1e-3) | (weights > 1 + 1e-3)).sum())

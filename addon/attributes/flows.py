@@ -13,7 +13,7 @@ from ..scene import mix
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .outputs import BAND, REST
-from .settings import Settings
+from .settings import Settings, chosen_elements
 from .sources import Source, read
 
 # A flow to one size starts with steps for spots so many times smaller.
@@ -56,7 +56,7 @@ def prepare(obj: bpy.types.Object, settings: Settings, is_even: bool = False) ->
             "values": values,
             "times": np.linspace(0, ends[1], settings.steps + 1) if is_even else times,
             "operator": settings.law.lower(),
-            "exact": settings.is_exact,
+            **_stepping(settings, values),
         },
     )
 
@@ -79,6 +79,13 @@ def results(
     if prepared.source.kind == "KEY":
         return {label: surface.to_object(each[np.newaxis])[0] for label, each in found.items()}
     return {label: surface.to_vertices(each) for label, each in found.items()}
+
+
+def _stepping(settings: Settings, values: np.ndarray) -> dict[str, Any]:
+    if not settings.is_exact:
+        # The package would take exact steps for sets by itself.
+        return {"scheme": spectral_tv.DEFAULTS["scheme"]}
+    return {"scheme": "exact", "elements": chosen_elements(settings.elements, values)}
 
 
 def _surface(obj: bpy.types.Object, source: Source) -> Surface:

@@ -69,5 +69,6 @@ class SPECTRAL_TV_PT_eigenset(AttributesPart, bpy.types.Panel):
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         choices = context.scene.spectral_tv_attributes
         layout.prop_search(choices, "group", context.active_object, "vertex_groups")
+        layout.prop(choices, "elements")
         operator = layout.operator(SPECTRAL_TV_OT_test_eigenset.bl_idname, icon="VIEWZOOM")
-        operator.group = choices.group
+        operator.group, operator.elements = choices.group, choices.elements

@@ -4,9 +4,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
+import numpy as np
+import spectral_tv
+from numpy.typing import NDArray
 
 from ..bands.filtering import IN_BANDS, FilterSettings
 from ..options.declaring import Only, choice, name_of, number, switch
+from ..scene.notes import note
 from .sources import KINDS, names
 
 RESULTS = (
@@ -18,6 +22,13 @@ LAWS = (
     ("TV", "Total Variation", "Edges stay crisp: every spot keeps its outline until it is gone"),
     ("HEAT", "Heat", "Linear diffusion, which blurs edges; for comparison"),
 )
+ELEMENTS = (
+    ("AUTOMATIC", "Automatic", "Edges for groups, masks and others with two values, "
+     "Vertices for others and for large meshes"),
+    ("VERTICES", "Vertices", "For smooth values. Sets fade 2 to 7 % too fast"),
+    ("EDGES", "Edges", "Sets fade at their true rates, whatever the triangles; two to three times "
+     "slower"),
+)  # fmt: skip
 SIZE = "relative to the object's size. A round spot of this width is gone"
 PARTS = (
     ("GROUPS", "Vertex Groups", "The mean value of every chosen vertex group"),
@@ -37,6 +48,28 @@ def _size(label: str, text: str, default: float, least: float, soft_most: float,
     )  # fmt: skip
 
 
+def elements(applies: tuple[Only, ...] = ()) -> Any:
+    """Where the unknowns of an exact flow are."""
+    return choice(
+        "Elements", "What values are made of while they flow", ELEMENTS, applies=applies,
+        dims=True, place="law"
+    )  # fmt: skip
+
+
+def chosen_elements(choice: str, values: NDArray[np.float64]) -> str:
+    """The package's name of the elements for ``values`` (V,) or (V, C), exactly flowed; tells why
+    those of a set on a large mesh are not edges."""
+    if choice != "AUTOMATIC":
+        return choice.lower()
+    suiting = spectral_tv.suiting_elements(values)
+    if suiting == "vertices" and spectral_tv.suiting_elements(np.unique(values, axis=0)) == "edges":
+        note(
+            f"flowed on vertices, where sets fade 2 to 7 % too fast, as the mesh has "
+            f"{len(values)} of them; Elements: Edges has true rates, and takes longer"
+        )
+    return suiting
+
+
 @dataclass(frozen=True)
 class Settings(FilterSettings):
     """What is flowed, how, and what of it is written."""
@@ -53,6 +86,7 @@ class Settings(FilterSettings):
         "Otherwise faster, and faint remains may stay", True, applies=Only("law", ["TV"]),
         dims=True, place="law"
     )  # fmt: skip
+    elements: str = elements((Only("law", ["TV"]), Only("exact", [True])))
     size: float = _size(
         "Size",
         f"How far to flow, {SIZE}: with Total Variation if it stands out by the whole range of the "
@@ -72,6 +106,13 @@ class Settings(FilterSettings):
     def is_exact(self) -> bool:
         """Whether the flow is followed exactly."""
         return self.exact and self.law == "TV"
+
+
+@dataclass(frozen=True)
+class EigensetSettings:
+    """How a set is tested."""
+
+    elements: str = elements()
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,7 @@ from spectral_tv._native import (
     Poser,
     __version__,
     set_threads,
+    suiting_elements,
     threads,
     total_variation,
 )
@@ -134,6 +135,7 @@ __all__ = [
     "start_safe_displacement",
     "start_self_intersections",
     "start_thickness",
+    "suiting_elements",
     "thickness",
     "threads",
     "total_variation",

@@ -1,5 +1,7 @@
 """Eigensets of total variation, and eigenpairs of the Laplace–Beltrami operator."""
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -12,7 +14,11 @@ from spectral_tv._work import starting, waiting
 
 @waiting
 def eigenset_test(
-    mesh: Mesh, members: ArrayLike, progress: Progress | None = None
+    mesh: Mesh,
+    members: ArrayLike,
+    progress: Progress | None = None,
+    *,
+    elements: Literal["vertices", "edges"] = "edges",
 ) -> Job[EigensetTest]:
     """Test whether a set of vertices is an eigenset of NETV.
 
@@ -32,6 +38,9 @@ def eigenset_test(
         The set: True or 0.5 and more for its vertices; or their indices, each once. Integers that
         are 0 or 1 at every vertex are taken as truth values.
     {progress}
+    elements : str
+        Those of the flow, see `flow`. On "vertices" it takes less time and memory, and rates are
+        2 to 7 % too high. Perimeters are those of functions on edges in any case.
 
     Returns
     -------
@@ -42,7 +51,7 @@ def eigenset_test(
     MeshError
         If the members are not of this mesh, or name one vertex twice, or the set has no boundary.
     """
-    return _native.start_eigenset_test(mesh, members)
+    return _native.start_eigenset_test(mesh, members, elements)
 
 
 start_eigenset_test = starting(eigenset_test)

@@ -142,9 +142,9 @@ class EigensetTest(_Result):
     area : float
         |C|, length².
     perimeter : float
-        per(C), length. It is the smaller of two lengths: one measured by diffusion over two to
-        four edges, which does not follow the triangles, and one along the triangles. Narrower
-        sets are measured too short.
+        per(C), length: of the shortest boundary, about, between the members and the rest. It
+        does not follow the triangles. Where a set is narrower than some five edges, it cuts
+        corners: by 1 to 2 % of the length.
     eigenvalue : float
         λ = per(C)/|C|, 1/length.
     rate : float
@@ -157,8 +157,8 @@ class EigensetTest(_Result):
     times : array
         Times of the flow, (N+1,), length.
     values : array
-        The mean on C of ψ = 1 on C, −|C|/|M∖C| off it, at these times, (N+1,): max(1 − λt, 0) for
-        an eigenset.
+        The median on C of ψ = 1 on C, −|C|/|M∖C| off it, at these times, (N+1,): max(1 − λt, 0)
+        for an eigenset.
     perimeter_ratio : float
         The least per(D)/|M∖D| over the supersets D of C that were tried, relative to
         per(C)/|M∖C|. For an eigenset it is at least 1, up to discretization.
@@ -166,7 +166,7 @@ class EigensetTest(_Result):
         The superset that has this ratio, (V,) bool.
     minimal_perimeter : bool
         Whether C is a locally minimal perimeter set as far as was tried: the ratio is at least
-        0.98.
+        0.99.
     is_eigenset : bool
         Whether C passes all tests of an eigenset: a minimal perimeter, a straightness of at least
         0.999, a rate within 15 % of the eigenvalue, a spread of at most 0.2.

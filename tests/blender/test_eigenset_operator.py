@@ -43,6 +43,34 @@ def test_the_better_set_is_written_once(obj):
     assert VERTICES[superset, 2].min() < 0.6
 
 
+def test_elements_are_chosen_and_told(obj):
+    told = {}
+    for choice in ("AUTOMATIC", "EDGES", "VERTICES"):
+        chosen = import_module(f"{MODULE}.attributes.settings").chosen_elements(
+            choice, members(obj, "Half").astype(float)
+        )
+        found = spectral_tv.eigenset_test(
+            spectral_tv.Mesh(VERTICES, FACES), members(obj, "Half"), elements=chosen
+        )
+        told[choice] = chosen, found.rate
+        assert bpy.ops.spectral_tv.test_eigenset(group="Half", elements=choice) == {"FINISHED"}
+    assert told["AUTOMATIC"] == told["EDGES"]
+    assert told["EDGES"][0] == "edges" and told["VERTICES"][0] == "vertices"
+    assert told["EDGES"][1] != told["VERTICES"][1]
+    kept = bpy.ops.spectral_tv.test_eigenset.get_rna_type().properties["elements"]
+    assert kept.default == "AUTOMATIC"
+
+
+def test_a_set_on_a_large_mesh_is_told_to_flow_on_vertices():
+    settings = import_module(f"{MODULE}.attributes.settings")
+    with import_module(f"{MODULE}.scene.notes").gathered() as notes:
+        large = (np.arange(250_001) < 9).astype(float)[:, np.newaxis]
+        assert settings.chosen_elements("AUTOMATIC", large) == "vertices"
+        assert settings.chosen_elements("EDGES", large) == "edges"
+        settings.chosen_elements("AUTOMATIC", np.linspace(0, 1, 250_001)[:, np.newaxis])
+    assert len(notes) == 1 and "250001" in notes[0]
+
+
 def test_the_verdict_is_in_words():
     verdict = import_module(f"{MODULE}.attributes.eigenset").verdict
     mesh = spectral_tv.Mesh(VERTICES, FACES)

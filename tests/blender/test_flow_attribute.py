@@ -89,6 +89,19 @@ def test_bands_of_a_group_are_attributes_as_they_are_signed(sphere):
     assert [group.name for group in sphere.vertex_groups] == ["Cap"]
 
 
+def test_groups_flow_on_edges_and_smooth_values_on_vertices(sphere):
+    add_attribute(sphere, "Height", VERTICES[:, 2])
+    found = {}
+    for elements in ("AUTOMATIC", "EDGES", "VERTICES"):
+        flow(kind="GROUP", source="Cap", elements=elements, size=10, steps=6)
+        flow(source="Height", elements=elements, size=10, steps=6)
+        found[elements] = weights(sphere, "Cap Flow"), attribute(sphere, "Height Flow")
+    for each, same in ((0, "EDGES"), (1, "VERTICES")):
+        other = {"EDGES": "VERTICES", "VERTICES": "EDGES"}[same]
+        np.testing.assert_array_equal(found["AUTOMATIC"][each], found[same][each])
+        assert np.abs(found["AUTOMATIC"][each] - found[other][each]).max() > 1e-3
+
+
 def test_filters(sphere):
     spots = np.sin(9 * VERTICES[:, 0]) + VERTICES[:, 2]
     add_attribute(sphere, "Heat", spots)

@@ -25,9 +25,9 @@ def test_a_cap_of_the_sphere_and_its_complement_are_eigensets(angle, complement)
     area = 4 * np.pi - area if complement else area
     perimeter = 2 * np.pi * np.sin(angle)
     assert found.area == pytest.approx(area, rel=0.02)
-    assert found.perimeter == pytest.approx(perimeter, rel=0.03)
+    assert found.perimeter == pytest.approx(perimeter, rel=0.015)
     assert found.eigenvalue == found.perimeter / found.area
-    assert found.rate == pytest.approx(perimeter / area, rel=0.06)
+    assert found.rate == pytest.approx(perimeter / area, rel=0.02)
     expected = np.maximum(1 - found.rate * found.times, 0)
     np.testing.assert_allclose(found.values, expected, atol=0.03)
 
@@ -36,7 +36,7 @@ def test_the_perimeter_does_not_follow_the_triangles():
     """That of a disc on a grid, whose contour along the triangles is 17 % too long."""
     vertices, triangles = grid(80, 80)
     found = examine((vertices, triangles), np.hypot(*(vertices[:, :2] - 0.5).T) < 0.25)
-    assert found.perimeter == pytest.approx(np.pi / 2, rel=0.03)
+    assert found.perimeter == pytest.approx(np.pi / 2, rel=0.005)
 
 
 @pytest.mark.parametrize("half_angle", [0.45, 0.9, 2.2])
@@ -44,8 +44,9 @@ def test_a_sleeve_of_the_torus_is_an_eigenset(half_angle):
     around = np.abs(np.arctan2(TORUS[0][:, 1], TORUS[0][:, 0]))
     found = examine(TORUS, around < half_angle)
     assert found.is_eigenset
-    assert found.spread < 0.01
-    assert found.perimeter == pytest.approx(2 * 2 * np.pi * 0.6, rel=0.01)
+    assert found.spread < 0.1
+    assert found.perimeter == pytest.approx(2 * 2 * np.pi * 0.6, rel=0.005)
+    assert found.rate == pytest.approx(found.eigenvalue, rel=0.01)
 
 
 def test_a_small_disc_on_the_torus_is_an_eigenset_and_a_large_one_is_not():

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use spectral_tv::discretization::Elements;
 use spectral_tv::eigenset;
 use spectral_tv::monitor::Stage;
 
@@ -11,12 +12,17 @@ use crate::error::Failure;
 use crate::job::Job;
 use crate::mesh::Mesh;
 use crate::results::Fields;
+use crate::settings::named;
 
 #[pyfunction]
-pub fn start_eigenset_test(mesh: &Mesh, members: &Bound<'_, PyAny>) -> Result<Job, Failure> {
+pub fn start_eigenset_test(
+    mesh: &Mesh,
+    members: &Bound<'_, PyAny>,
+    #[pyo3(from_py_with = named)] elements: Elements,
+) -> Result<Job, Failure> {
     let set = arrays::set("members", members, mesh.inner.vertex_count())?;
     let mesh = Arc::clone(&mesh.inner);
-    let work = move |stage: Stage| eigenset::eigenset_test_with(&mesh, &set, stage);
+    let work = move |stage: Stage| eigenset::eigenset_test_with(&mesh, &set, elements, stage);
     Job::start(work, |py, test| {
         let fields = Fields::new(py)
             .with("area", test.area)?

@@ -100,7 +100,7 @@ impl Flow {
         Ok(self.stack(py, task.wait(py, None)?)?)
     }
 
-    /// TV(u(t_k)), (N+1,), unit of the values × length.
+    /// TV(u(t_k)), (N+1,), unit of the values × length; of the unknowns where those are on edges.
     #[getter]
     fn total_variation<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         arrays::array_of(py, &self.transform.trajectory().total_variation)

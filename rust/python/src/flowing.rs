@@ -5,8 +5,9 @@ use std::sync::Arc;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spectral_tv::discretization::Discretization;
-use spectral_tv::flow::{Operator, conformal_mean_curvature_flow_with, flow_with};
+use spectral_tv::Named;
+use spectral_tv::discretization::{Discretization, Elements};
+use spectral_tv::flow::{Operator, Scheme, conformal_mean_curvature_flow_with, flow_with};
 use spectral_tv::monitor::Stage;
 use spectral_tv::operators;
 use spectral_tv::solver::Solver;
@@ -18,7 +19,7 @@ use crate::flow::{Flow, Layout};
 use crate::job::{Job, guarded};
 use crate::mesh::Mesh;
 use crate::parameters;
-use crate::settings::{named, stepping};
+use crate::settings::{named, named_or_none, stepping};
 
 #[pyfunction]
 pub fn start_flow(
@@ -26,14 +27,26 @@ pub fn start_flow(
     values: &Bound<'_, PyAny>,
     times: &Bound<'_, PyAny>,
     #[pyo3(from_py_with = named)] operator: Operator,
+    #[pyo3(from_py_with = named_or_none)] elements: Option<Elements>,
     options: &Bound<'_, PyDict>,
 ) -> Result<Job, Failure> {
     let (values, is_flat) = arrays::channels("values", values)?;
     let times = arrays::list("times", times)?;
-    let stepping = stepping(options)?;
+    let mut stepping = stepping(options)?;
+    let takes_exact = match options.contains("scheme")? {
+        true => stepping.scheme == Scheme::Exact,
+        false => operator == Operator::TotalVariation,
+    };
+    let elements = elements.unwrap_or_else(|| match takes_exact {
+        true => Elements::suiting(values.view()),
+        false => Elements::Vertices,
+    });
+    if elements == Elements::Edges && takes_exact {
+        stepping.scheme = Scheme::Exact;
+    }
     let mesh = Arc::clone(&mesh.inner);
     let work = move |stage: Stage| {
-        let flow = flow_with(&mesh, values, &times, operator, stepping, stage)?;
+        let flow = flow_with(&mesh, values, &times, operator, elements, stepping, stage)?;
         Ok((flow, operators::invertible_masses(mesh.vertex_areas())))
     };
     Job::start(work, move |py, (trajectory, masses)| {
@@ -44,6 +57,27 @@ pub fn start_flow(
         let flow = Flow::new(SpectralTransform::new(trajectory), masses, layout);
         Ok(flow.into_bound_py_any(py)?)
     })
+}
+
+/// The elements that `flow` takes for a function by default, if its steps are exact: "edges" if every
+/// channel has one or two values, and not all of them one, on up to 250 000 vertices; else "vertices".
+///
+/// Parameters
+/// ----------
+/// values : (V,) or (V, C) array
+///
+/// Returns
+/// -------
+/// str
+///
+/// Raises
+/// ------
+/// MeshError
+///     If the values are of another shape.
+#[pyfunction]
+pub fn suiting_elements(values: &Bound<'_, PyAny>) -> Result<&'static str, Failure> {
+    let (values, _) = arrays::channels("values", values)?;
+    Ok(Elements::suiting(values.view()).name())
 }
 
 #[pyfunction]

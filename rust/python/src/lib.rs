@@ -67,6 +67,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(estimate::estimate, module)?,
         wrap_pyfunction!(flowing::start_conformal_flow, module)?,
         wrap_pyfunction!(flowing::start_flow, module)?,
+        wrap_pyfunction!(flowing::suiting_elements, module)?,
         wrap_pyfunction!(flowing::total_variation, module)?,
         wrap_pyfunction!(guard::folds, module)?,
         wrap_pyfunction!(guard::start_safe_displacement, module)?,

@@ -66,6 +66,14 @@ pub fn named<T: Named>(name: &Bound<'_, PyAny>) -> PyResult<T> {
     T::named(&name).map_err(|error| Failure::from(error).into())
 }
 
+/// The same, or none.
+pub fn named_or_none<T: Named>(name: &Bound<'_, PyAny>) -> PyResult<Option<T>> {
+    match name.is_none() {
+        true => Ok(None),
+        false => named(name).map(Some),
+    }
+}
+
 /// What is known of options and methods: the defaults by the names of the options, and the facts of
 /// each method by its name.
 #[pyfunction]

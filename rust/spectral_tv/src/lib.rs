@@ -6,6 +6,7 @@
 pub mod deformation;
 pub mod discretization;
 pub mod eigenset;
+mod elements;
 mod error;
 pub mod flow;
 pub mod guard;

@@ -7,6 +7,7 @@ use crate::discretization::Discretization;
 use crate::mesh::TriangleMesh;
 use crate::minimization::{Energy, TangentField, Variation, clipping_factors};
 use crate::monitor::Stage;
+use crate::operators::Mass;
 
 /// An energy below this, relative to the displacements times the size, is rounding.
 const UNSTRETCHED: f64 = 1e-9;
@@ -43,7 +44,7 @@ impl<'a> Problem<'a> {
             operators: self.operators,
             weights,
             least_weight: self.variation.least_weight(),
-            masses: &self.targets.springs,
+            mass: Mass::lumped(&self.targets.springs),
             data: &self.targets.displacements,
             tau: 1.0,
             fixed: self.fixed,

@@ -2,9 +2,10 @@
 
 use ndarray::Array2;
 
-use crate::discretization::Discretization;
+use crate::discretization::{Discretization, Elements};
 use crate::eigenset::decay::Decay;
-use crate::eigenset::perimeter::{Perimeter, mean_edge};
+use crate::eigenset::diffusion::mean_edge;
+use crate::eigenset::perimeter::Perimeter;
 use crate::eigenset::supersets::{members, supersets};
 use crate::error::{ArgumentError, Result};
 use crate::flow::proximal_flow;
@@ -38,7 +39,7 @@ pub struct EigensetTest {
     pub spread: f64,
     /// t_k, N + 1.
     pub times: Vec<f64>,
-    /// The mean on C of ψ = χ_C − β χ_{M∖C} under the flow at these times: 1 − λt in theory.
+    /// The median on C of ψ = χ_C − β χ_{M∖C} under the flow at these times: 1 − λt in theory.
     pub values: Vec<f64>,
     /// The least per(D)/|M∖D| of the supersets D ⊃ C that were tried, relative to per(C)/|M∖C|;
     /// not below 1 for an eigenset, but for discretization.
@@ -53,10 +54,10 @@ impl EigensetTest {
         self.perimeter / self.area
     }
 
-    /// Whether C is a locally minimal perimeter set as far as was tried; 2 % are left to
+    /// Whether C is a locally minimal perimeter set as far as was tried; 1 % is left to
     /// discretization.
     pub fn has_minimal_perimeter(&self) -> bool {
-        self.perimeter_ratio >= 0.98
+        self.perimeter_ratio >= 0.99
     }
 
     /// Whether all of it speaks for an eigenset: the perimeter, a straight decay (R² of 0.999) at
@@ -92,14 +93,20 @@ impl EigensetTest {
 /// If there is not one value per vertex, the set has no boundary, memory does not suffice, or a
 /// system cannot be solved.
 pub fn eigenset_test(mesh: &TriangleMesh, set: &[bool]) -> Result<EigensetTest> {
-    eigenset_test_with(mesh, set, Monitor::new().whole())
+    eigenset_test_with(mesh, set, Elements::Edges, Monitor::new().whole())
 }
 
-/// [`eigenset_test`], watched: `stage` tells how far it is, and cancels it.
+/// [`eigenset_test`] with the flow on these `elements`, watched: `stage` tells how far it is, and
+/// cancels it. Perimeters are those of functions on edges in any case.
 ///
 /// # Errors
 /// As [`eigenset_test`], or [`crate::Error::Cancelled`].
-pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Result<EigensetTest> {
+pub fn eigenset_test_with(
+    mesh: &TriangleMesh,
+    set: &[bool],
+    elements: Elements,
+    stage: Stage,
+) -> Result<EigensetTest> {
     let areas = mesh.vertex_areas();
     if set.len() != areas.len() {
         return Err(ArgumentError::count(
@@ -128,16 +135,20 @@ pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Re
     }
     let size = needs::Size::of(mesh);
     // Beside the flow, the supersets and what diffuses them.
+    let flow_needs = match elements {
+        Elements::Vertices => needs::flow(size, 1, STEPS, false),
+        Elements::Edges => needs::edge_flow(size, 1, STEPS),
+    };
     stage.require(
-        needs::flow(size, 1, STEPS, false).saturating_add(needs::solutions(size, 0)),
+        flow_needs.saturating_add(needs::solutions(size, 0)),
         &format!("testing a set of {} vertices", set.len()),
         "take a mesh of fewer vertices",
     )?;
     stage.report(0.0)?;
     let operators = Discretization::new_with(mesh, stage)?;
-    let edge = mean_edge(mesh);
-    let mut perimeter = Perimeter::new(&operators, edge, stage)?;
-    let length = perimeter.of(&set);
+    let on_edges = Discretization::of_elements(mesh, Elements::Edges, stage)?;
+    let perimeter = Perimeter::new(mesh, &on_edges);
+    let length = perimeter.of(&set, stage)?;
     // ψ, with zero mean on every part, so that it vanishes.
     let psi = Array2::from_shape_fn((1, set.len()), |(_, v)| {
         let component = components[v] as usize;
@@ -150,7 +161,11 @@ pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Re
     let lifetime = area / length;
     let time = |k: usize| LIFETIMES * lifetime * k as f64 / STEPS as f64;
     let times: Vec<f64> = (0..=STEPS).map(time).collect();
-    let flow = proximal_flow(&operators, GAP, psi, &times, stage.stage(0.0, FLOW_SHARE))?;
+    let flowing = match elements {
+        Elements::Vertices => &operators,
+        Elements::Edges => &on_edges,
+    };
+    let flow = proximal_flow(flowing, GAP, psi, &times, stage.stage(0.0, FLOW_SHARE))?;
     // The set, and what is outside of it of every component.
     let region = |v: usize| {
         if set[v] {
@@ -168,7 +183,7 @@ pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Re
         &set,
         &surface,
         &flow,
-        edge,
+        mean_edge(mesh),
         stage.stage(0.0, 0.4),
     )?;
     let (mut least, mut superset) = (f64::INFINITY, set.clone());
@@ -179,7 +194,7 @@ pub fn eigenset_test_with(mesh: &TriangleMesh, set: &[bool], stage: Stage) -> Re
         if rest < LEAST_REST * whole {
             continue;
         }
-        let ratio = perimeter.of(candidate) / rest / own;
+        let ratio = perimeter.of(candidate, stage)? / rest / own;
         if ratio < least {
             (least, superset) = (ratio, candidate.clone());
         }

@@ -12,7 +12,8 @@ const ALIVE: f64 = 0.3;
 /// The decay of a function that is 1 on a set at first.
 #[derive(Debug, Clone)]
 pub(super) struct Decay {
-    /// The mean on the set at every time, N + 1.
+    /// The median on the set at every time, N + 1: where the boundary crosses triangles, values are
+    /// in between, and a mean would count them.
     pub values: Vec<f64>,
     /// How fast it falls until extinction, per unit of time.
     pub rate: f64,
@@ -48,11 +49,11 @@ impl Decay {
     }
 }
 
-/// The function nearest to a state that is constant on every region.
+/// A state as a function that is constant on every region.
 struct Fit {
-    /// Its value on region 0.
+    /// The median on region 0.
     value: f64,
-    /// How far away it is, relative to its norm.
+    /// How far away the nearest one is, relative to its norm.
     distance: f64,
 }
 
@@ -65,16 +66,35 @@ impl Fit {
             areas[region] += mass;
         }
         let mean = |region: usize| sums[region] / areas[region].max(f64::MIN_POSITIVE);
+        let mut on_set: Vec<(f64, f64)> = state
+            .iter()
+            .zip(masses)
+            .zip(regions)
+            .filter(|(_, region)| **region == 0)
+            .map(|((&value, &mass), _)| (value, mass))
+            .collect();
         let (mut apart, mut norm) = (0.0, 0.0);
         for ((value, &region), mass) in state.iter().zip(regions).zip(masses) {
             apart += mass * (value - mean(region)).powi(2);
             norm += mass * mean(region).powi(2);
         }
         Self {
-            value: mean(0),
+            value: median(&mut on_set),
             distance: (apart / norm.max(f64::MIN_POSITIVE)).sqrt(),
         }
     }
+}
+
+/// The least value that half of the mass does not exceed; `values` with their masses.
+fn median(values: &mut [(f64, f64)]) -> f64 {
+    values.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
+    let half = 0.5 * values.iter().map(|(_, mass)| mass).sum::<f64>();
+    let mut below = 0.0;
+    let found = values.iter().find(|(_, mass)| {
+        below += mass;
+        below >= half
+    });
+    found.map_or(0.0, |(value, _)| *value)
 }
 
 /// Slope of the line of least squares through points, and its R².
@@ -101,6 +121,12 @@ fn line(x: &[f64], y: &[f64]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_median_counts_masses() {
+        assert_eq!(median(&mut [(3.0, 1.0), (1.0, 1.0), (2.0, 5.0)]), 2.0);
+        assert_eq!(median(&mut [(3.0, 9.0), (1.0, 1.0), (2.0, 5.0)]), 3.0);
+    }
 
     #[test]
     fn a_line_is_found_and_two_rates_are_not_one() {

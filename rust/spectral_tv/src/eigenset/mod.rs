@@ -5,6 +5,7 @@
 
 mod criterion;
 mod decay;
+mod diffusion;
 mod perimeter;
 mod supersets;
 

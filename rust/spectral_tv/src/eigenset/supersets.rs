@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::discretization::Discretization;
-use crate::eigenset::perimeter::Diffusion;
+use crate::eigenset::diffusion::Diffusion;
 use crate::error::Result;
 use crate::flow::Trajectory;
 use crate::monitor::Stage;

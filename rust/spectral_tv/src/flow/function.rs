@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayView2};
 
-use crate::discretization::Discretization;
+use crate::discretization::{Discretization, Elements};
 use crate::error::Result;
 use crate::flow::law::Law;
 use crate::flow::stepping::Stepping;
@@ -31,7 +31,12 @@ named! {
 /// Flows a function with the `values` (C, V) on `mesh` through `times`, which increase from 0: in the
 /// unit of the values × length for TV, length² for heat.
 ///
+/// It is made of `elements` meanwhile, see [`Elements::suiting`]. With `Elements::Edges` the steps go on
+/// from means along edges, and the states that are handed back are functions on vertices which have
+/// the same mean; TV is that of the means.
+///
 /// ```
+/// use spectral_tv::discretization::Elements;
 /// use spectral_tv::flow::{Operator, Stepping, flow};
 /// use spectral_tv::ndarray::array;
 /// use spectral_tv::spectral::SpectralTransform;
@@ -42,7 +47,8 @@ named! {
 /// # let mesh = TriangleMesh::new(vertices, &triangles)?;
 /// let height = array![[0.0, 0.0, 0.0, 1.0]];
 /// let times = [0.0, 0.01, 0.03, 0.1];
-/// let flow = flow(&mesh, height, &times, Operator::TotalVariation, Stepping::default())?;
+/// let (law, stepping) = (Operator::TotalVariation, Stepping::default());
+/// let flow = flow(&mesh, height, &times, law, Elements::Vertices, stepping)?;
 /// assert!(flow.total_variation.is_sorted_by(|now, later| now >= later));
 /// assert_eq!(SpectralTransform::new(flow).component_times(), [0.01, 0.03]);
 /// # Ok::<(), spectral_tv::Error>(())
@@ -55,10 +61,12 @@ pub fn flow(
     values: Array2<f64>,
     times: &[f64],
     operator: Operator,
+    elements: Elements,
     stepping: Stepping,
 ) -> Result<Trajectory> {
     let monitor = Monitor::new();
-    flow_with(mesh, values, times, operator, stepping, monitor.whole())
+    let stage = monitor.whole();
+    flow_with(mesh, values, times, operator, elements, stepping, stage)
 }
 
 /// [`flow`], watched: `stage` tells how far it is, and cancels it.
@@ -70,12 +78,13 @@ pub fn flow_with(
     values: Array2<f64>,
     times: &[f64],
     operator: Operator,
+    elements: Elements,
     stepping: Stepping,
     stage: Stage,
 ) -> Result<Trajectory> {
     stepping.check()?;
-    stepping.require(needs::Size::of(mesh), values.dim(), times, stage)?;
-    let operators = Discretization::new_with(mesh, stage)?;
+    stepping.require(needs::Size::of(mesh), values.dim(), elements, times, stage)?;
+    let operators = Discretization::of_elements(mesh, elements, stage)?;
     let law = operator.law(&operators, values.view())?;
     stepping.run_with(&operators, &*law, values, times, stage)
 }

@@ -4,6 +4,7 @@
 //! ways to step. A new flow is a new law. `laplace_beltrami` computes its states without steps.
 
 mod conformal;
+mod descent;
 mod duality_gap;
 mod force;
 mod function;
@@ -18,6 +19,7 @@ mod prediction;
 mod proximal;
 mod proximal_newton;
 mod recorder;
+mod rigid_parts;
 mod sampled;
 mod semi_implicit;
 mod stepping;

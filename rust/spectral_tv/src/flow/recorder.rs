@@ -8,7 +8,6 @@ use crate::flow::increment::{Increment, Precision};
 use crate::flow::origin::{origin_of, without};
 use crate::flow::times::check_times;
 use crate::flow::trajectory::Trajectory;
-use crate::operators::total_variation;
 
 /// What a step arrived at.
 #[derive(Debug, Clone)]
@@ -45,7 +44,7 @@ impl Recorder {
         let trajectory = Trajectory {
             times: times.to_vec(),
             increments: Vec::with_capacity(times.len() - 1),
-            total_variation: vec![total_variation(operators.gradient(), initial.view())],
+            total_variation: vec![operators.total_variation(initial.view())],
             gaps: Vec::new(),
             initial,
         };

@@ -8,7 +8,6 @@ use crate::flow::increment::Precision;
 use crate::flow::recorder::{Recorder, Solution};
 use crate::flow::trajectory::Trajectory;
 use crate::monitor::{Monitor, Stage};
-use crate::operators::total_variation;
 
 impl Trajectory {
     /// A flow from `initial` (C, V) whose states are known: `state` gives u(t_k) for k > 0, less the
@@ -40,7 +39,7 @@ impl Trajectory {
         for k in 1..times.len() {
             stage.report(k as f64 / times.len() as f64)?;
             let state = state(k, record.origin());
-            let variation = total_variation(operators.gradient(), state.view());
+            let variation = operators.total_variation(state.view());
             let solution = Solution {
                 state,
                 precision: Precision::Double,

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::discretization::Discretization;
+use crate::discretization::{Discretization, Elements};
 use crate::error::{ArgumentError, Result};
 use crate::flow::law::Law;
 use crate::flow::proximal::proximal_flow;
@@ -11,7 +11,7 @@ use crate::flow::trajectory::Trajectory;
 use crate::memory::needs;
 use crate::minimization::check_tolerance;
 use crate::monitor::{Monitor, Stage};
-use crate::named::named;
+use crate::named::{Named, named};
 use crate::solver::{Demand, Solver};
 
 named! {
@@ -122,8 +122,17 @@ impl Stepping {
         stage: Stage,
     ) -> Result<Trajectory> {
         let triangles = operators.gradient().triangles().len();
-        let size = needs::Size::new(operators.masses().len(), triangles);
-        self.require(size, values.dim(), times, stage)?;
+        let size = needs::Size::new(operators.vertex_count(), triangles);
+        let elements = operators.elements();
+        self.require(size, values.dim(), elements, times, stage)?;
+        if elements == Elements::Edges && self.scheme != Scheme::Exact {
+            let reason = format!(
+                "steps on {} are exact ones; take the scheme {:?}",
+                elements.name(),
+                Scheme::Exact.name()
+            );
+            return Err(ArgumentError::inapplicable(Elements::ARGUMENT, reason).into());
+        }
         match self.weights() {
             Some(weights) => {
                 semi_implicit_flow(operators, law, weights, values, times, self.solver, stage)
@@ -146,13 +155,18 @@ impl Stepping {
         self,
         size: needs::Size,
         (channels, vertices): (usize, usize),
+        elements: Elements,
         times: &[f64],
         stage: Stage,
     ) -> Result<()> {
         let steps = times.len().saturating_sub(1);
         let is_iterated = self.is_iterated(vertices, channels);
+        let needed = match elements {
+            Elements::Vertices => needs::flow(size, channels, steps, is_iterated),
+            Elements::Edges => needs::edge_flow(size, channels, steps),
+        };
         stage.require(
-            needs::flow(size, channels, steps, is_iterated),
+            needed,
             &format!("a flow of {steps} steps on {vertices} vertices"),
             "take fewer steps or vertices",
         )

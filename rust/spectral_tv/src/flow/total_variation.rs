@@ -6,7 +6,6 @@ use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::law::Law;
 use crate::minimization::Variation;
-use crate::operators::total_variation;
 
 /// ε relative to the mean |∇f|: small enough for edges to stay crisp, large enough for the
 /// systems to stay well conditioned.
@@ -54,7 +53,7 @@ impl TotalVariation {
         initial: ArrayView2<f64>,
     ) -> Result<Self> {
         operators.check_values(initial)?;
-        let mean = total_variation(operators.gradient(), initial) / operators.area();
+        let mean = operators.total_variation(initial) / operators.area();
         // A constant function has no gradient; any law keeps it as it is.
         if mean > 0.0 {
             self.gradient *= mean;

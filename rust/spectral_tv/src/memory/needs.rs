@@ -15,6 +15,9 @@ const LANCZOS: u64 = 3400;
 const BASE: u64 = 500;
 /// The same of the operators of a mesh, which are part of all of these.
 const OPERATORS: u64 = 500;
+/// The same of a flow and of operators on edges.
+const FACTORIZED_ON_EDGES: u64 = 4000;
+const OPERATORS_ON_EDGES: u64 = 1000;
 /// The same of a pose: from 3800 at a million vertices to 5500 at 40 000 were measured.
 const POSED: u64 = 5000;
 /// The same of one solution of a deformer, beside what that holds.
@@ -61,6 +64,12 @@ pub fn flow(size: Size, channels: usize, steps: usize, is_iterated: bool) -> u64
         .saturating_mul(channels as u64)
         .saturating_mul(steps as u64);
     size.times(beside.saturating_add(states))
+}
+
+/// Bytes of a flow on edges, whose steps are exact.
+pub fn edge_flow(size: Size, channels: usize, steps: usize) -> u64 {
+    let states = functions(channels, 1).saturating_mul(steps as u64);
+    size.times(FACTORIZED_ON_EDGES.saturating_add(states))
 }
 
 /// What a flow takes more that goes along a base.
@@ -126,6 +135,11 @@ pub fn self_intersections(size: Size) -> u64 {
 /// Bytes of the operators of a mesh.
 pub fn operators(size: Size) -> u64 {
     size.times(OPERATORS)
+}
+
+/// Bytes of the operators of a mesh for functions on its edges.
+pub fn edge_operators(size: Size) -> u64 {
+    size.times(OPERATORS_ON_EDGES)
 }
 
 /// Bytes of a mesh of so many vertices and triangles while it is made.

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::minimization::fields::{TangentField, inner_products, scaled};
 use crate::minimization::line_search::least_along;
 use crate::monitor::Stage;
-use crate::operators::{FaceVector, inner_product, squared_norm};
+use crate::operators::{FaceVector, Mass, inner_product};
 
 /// A convex energy of functions on a mesh, provided that n w(n) grows with n.
 #[derive(Clone, Copy)]
@@ -19,8 +19,8 @@ pub struct Energy<'a> {
     pub weights: &'a dyn Fn(&[f64]) -> Vec<f64>,
     /// The w of steep gradients, on which it no longer depends; 0 if it always does, as 1/|∇u|.
     pub least_weight: f64,
-    /// M: how strongly each vertex is drawn to its data, V; 0 lets it go where it will.
-    pub masses: &'a [f64],
+    /// M: how strongly each unknown is drawn to its data; 0 lets it go where it will.
+    pub mass: Mass<'a>,
     /// û (C, V).
     pub data: &'a Array2<f64>,
     /// τ.
@@ -82,8 +82,9 @@ impl Energy<'_> {
                 .operators
                 .gradient()
                 .adjoint(|face| field(channel, face));
-            for ((value, mass), flux) in row.iter_mut().zip(self.masses).zip(flux) {
-                *value = mass * *value - self.tau * flux;
+            self.mass.apply(row.view_mut());
+            for (value, flux) in row.iter_mut().zip(flux) {
+                *value -= self.tau * flux;
             }
         }
         self.clear_fixed(&mut descent);
@@ -125,7 +126,7 @@ impl Energy<'_> {
         let squares = stage.pass(|| inner_products(&slope.gradients, &slope.gradients))?;
         let along = stage.pass(|| inner_products(&slope.gradients, &changes))?;
         let squared = stage.pass(|| inner_products(&changes, &changes))?;
-        let quadratic = squared_norm(direction.view(), self.masses);
+        let quadratic = self.mass.squared_norm(direction.view());
         let areas = self.operators.gradient().face_areas();
         let variation = move |alpha: f64| -> f64 {
             let norms: Vec<f64> = (0..areas.len())

@@ -104,7 +104,17 @@ impl PrimalDualNewton {
         let pattern = energy.operators.pattern();
         let gradient = energy.operators.gradient();
         let system = &mut self.system;
-        stage.pass(|| pattern.assemble(gradient, energy.masses, stiffness, system))?;
+        let (mass, masses) = (energy.mass, energy.mass.diagonal());
+        match mass.is_lumped() {
+            true => stage.pass(|| pattern.assemble(gradient, masses, stiffness, system))?,
+            false => {
+                let both = |face| {
+                    let ([a, b, c], [x, y, z]) = (stiffness(face), mass.off_diagonal(face));
+                    [a + x, b + y, c + z]
+                };
+                stage.pass(|| pattern.assemble(gradient, masses, both, system))?;
+            }
+        }
         pin(energy.fixed, &mut self.system);
         self.cholesky.factorize(&self.system, stage)
     }
@@ -157,6 +167,11 @@ impl PrimalDualNewton {
             }
         }
         self.set_dual(energy, slope, field);
+    }
+
+    /// Goes on from `dual`, which is within the unit ball.
+    pub fn go_on_from(&mut self, dual: TangentField) {
+        self.dual = dual;
     }
 
     /// Starts anew with the dual field 0, for functions with `channels` channels.
@@ -242,8 +257,9 @@ fn apply_hessian(
             };
             [component(0), component(1)]
         });
-        for ((value, mass), flux) in row.iter_mut().zip(energy.masses).zip(flux) {
-            *value = mass * *value + energy.tau * flux;
+        energy.mass.apply(row.view_mut());
+        for (value, flux) in row.iter_mut().zip(flux) {
+            *value += energy.tau * flux;
         }
     }
     energy.clear_fixed(&mut product);

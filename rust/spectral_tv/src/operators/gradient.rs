@@ -51,6 +51,22 @@ impl Gradient {
         })
     }
 
+    /// That of other linear functions: N unknowns, three of them to each triangle, multiply functions
+    /// with gradients `hats`, which sum to 0.
+    pub fn of_functions(
+        hats: Vec<[FaceVector; 3]>,
+        triangles: Arc<[[u32; 3]]>,
+        face_areas: Vec<f64>,
+        count: usize,
+    ) -> Self {
+        Self {
+            hats,
+            triangles,
+            face_areas,
+            vertex_count: count,
+        }
+    }
+
     /// Area of each face, length².
     pub fn face_areas(&self) -> &[f64] {
         &self.face_areas

@@ -55,20 +55,22 @@ impl LaplacianPattern {
         &self.edge_entries
     }
 
+    /// Every edge once: its vertices, the lower one first, and its entry.
+    pub fn edges(&self) -> impl Iterator<Item = (u32, u32, u32)> + '_ {
+        (0..self.column_starts.len() - 1).flat_map(move |column| {
+            let below = self.column_starts[column] + 1..self.column_starts[column + 1];
+            below.map(move |entry| (column as u32, self.rows[entry as usize], entry))
+        })
+    }
+
     /// All neighbours of every vertex with their entries, and where each vertex's begin.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn neighbours(&self, stage: Stage) -> Result<(Vec<u32>, Vec<Neighbour>)> {
         let size = self.column_starts.len() - 1;
-        let edges = || {
-            (0..size).flat_map(|column| {
-                let below = self.column_starts[column] + 1..self.column_starts[column + 1];
-                below.map(move |entry| (column as u32, self.rows[entry as usize], entry))
-            })
-        };
         let mut starts = vec![0_u32; size + 1];
-        stage.for_each(edges(), |(i, j, _)| {
+        stage.for_each(self.edges(), |(i, j, _)| {
             starts[i as usize + 1] += 1;
             starts[j as usize + 1] += 1;
         })?;
@@ -77,7 +79,7 @@ impl LaplacianPattern {
         }
         let mut next = starts.clone();
         let mut neighbours = vec![(0, 0); starts[size] as usize];
-        stage.for_each(edges(), |(i, j, entry)| {
+        stage.for_each(self.edges(), |(i, j, entry)| {
             for (from, to) in [(i, j), (j, i)] {
                 let place = &mut next[from as usize];
                 neighbours[*place as usize] = (to, entry);

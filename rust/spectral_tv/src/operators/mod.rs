@@ -1,21 +1,28 @@
-//! The discrete operators on piecewise linear functions: one value per vertex and channel.
+//! The discrete operators on piecewise linear functions: one unknown per vertex and channel, or one
+//! per edge and channel.
 //!
 //! A function with C channels is an array of shape (C, V), each channel contiguous.
 
+mod edge_elements;
 mod edge_laplacian;
 mod gradient;
 mod inner_product;
 mod laplacian;
+mod limiter;
+mod mass;
 mod masses;
+mod over_lumping;
 mod positions;
 mod side_by_side;
 mod total_variation;
 
+pub use edge_elements::EdgeElements;
 pub use edge_laplacian::EdgeLaplacian;
 pub(crate) use edge_laplacian::grouped;
 pub use gradient::{FaceVector, Gradient};
 pub use inner_product::{inner_product, squared_norm};
 pub use laplacian::{LaplacianPattern, Neighbour, element_stiffness, pin};
+pub use mass::Mass;
 pub use masses::invertible_masses;
 pub use positions::positions;
 pub use side_by_side::SideBySide;

@@ -3,7 +3,7 @@
 use ndarray::Array2;
 use proptest::prelude::*;
 
-use spectral_tv::discretization::Discretization;
+use spectral_tv::discretization::{Discretization, Elements};
 use spectral_tv::flow::{Eigenpairs, Operator, Scheme, Stepping, Trajectory, flow as flow_of};
 use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::method::graded_times;
@@ -14,15 +14,26 @@ use crate::{GAP, STEPS, config, distance};
 
 /// The TV flow up to about the extinction of functions of the size of 1.
 fn flow(mesh: &TriangleMesh, values: &Array2<f64>, stepping: Stepping) -> Trajectory {
+    flow_on(Elements::Vertices, mesh, values, stepping)
+}
+
+fn flow_on(
+    elements: Elements,
+    mesh: &TriangleMesh,
+    values: &Array2<f64>,
+    stepping: Stepping,
+) -> Trajectory {
     let times = graded_times(1e-3, 1.0, STEPS).unwrap();
-    flow_of(
-        mesh,
-        values.clone(),
-        &times,
-        Operator::TotalVariation,
-        stepping,
-    )
-    .unwrap()
+    let (values, law) = (values.clone(), Operator::TotalVariation);
+    flow_of(mesh, values, &times, law, elements, stepping).unwrap()
+}
+
+/// The elements that such steps can be taken on.
+fn elements(stepping: Stepping) -> Vec<Elements> {
+    match stepping.scheme {
+        Scheme::Exact => vec![Elements::Vertices, Elements::Edges],
+        _ => vec![Elements::Vertices],
+    }
 }
 
 /// ‖u‖ over the surface.
@@ -44,10 +55,12 @@ proptest! {
     fn total_variation_never_grows(
         mesh in mesh(), values in values(), stepping in stepping()
     ) {
-        let flow = flow(&mesh, &on(&mesh, &values), stepping);
-        let start = flow.total_variation[0];
-        for pair in flow.total_variation.windows(2) {
-            prop_assert!(pair[1] <= pair[0] + 1e-5 * start, "{:?}", flow.total_variation);
+        for elements in elements(stepping) {
+            let flow = flow_on(elements, &mesh, &on(&mesh, &values), stepping);
+            let start = flow.total_variation[0];
+            for pair in flow.total_variation.windows(2) {
+                prop_assert!(pair[1] <= pair[0] + 1e-5 * start, "{:?}", flow.total_variation);
+            }
         }
     }
 
@@ -55,12 +68,14 @@ proptest! {
     fn the_mean_is_kept(
         mesh in mesh(), values in values(), stepping in stepping()
     ) {
-        let flow = flow(&mesh, &on(&mesh, &values), stepping);
-        let ones = vec![1.0; mesh.vertex_count()];
-        let means = flow.mean(&ones, mesh.vertex_areas()).unwrap();
-        for row in means.rows() {
-            for (mean, first) in row.iter().zip(means.row(0)) {
-                prop_assert!((mean - first).abs() < 1e-5, "{means}");
+        for elements in elements(stepping) {
+            let flow = flow_on(elements, &mesh, &on(&mesh, &values), stepping);
+            let ones = vec![1.0; mesh.vertex_count()];
+            let means = flow.mean(&ones, mesh.vertex_areas()).unwrap();
+            for row in means.rows() {
+                for (mean, first) in row.iter().zip(means.row(0)) {
+                    prop_assert!((mean - first).abs() < 1e-5, "{means}");
+                }
             }
         }
     }
@@ -72,7 +87,8 @@ proptest! {
         let values = on(&mesh, &values);
         let run = |factor: f64| {
             let times: Vec<f64> = [0.0, 0.02, 0.05, 0.2].map(|t| factor.abs() * t).into();
-            flow_of(&mesh, factor * &values, &times, Operator::TotalVariation, stepping).unwrap()
+            let law = Operator::TotalVariation;
+            flow_of(&mesh, factor * &values, &times, law, Elements::Vertices, stepping).unwrap()
         };
         let (flow, scaled) = (run(1.0), run(factor));
         for (state, scaled) in flow.states().zip(scaled.states()) {
@@ -91,7 +107,8 @@ proptest! {
         let times = [0.0, 0.05, 0.2, 0.5];
         let exact = Stepping { scheme: Scheme::Exact, tolerance: GAP, ..Stepping::default() };
         let run = |values: &Array2<f64>| {
-            flow_of(&mesh, values.clone(), &times, Operator::TotalVariation, exact).unwrap()
+            let (values, law) = (values.clone(), Operator::TotalVariation);
+            flow_of(&mesh, values, &times, law, Elements::Vertices, exact).unwrap()
         };
         let (first, second) = (run(&one), run(&other));
         // A gap of g moves the minimiser of ½‖u − f‖² + Δt TV(u) by at most √(2 g).

@@ -1,21 +1,27 @@
 //! The operators of one mesh and what solving with them needs: built once, shared by all steps.
 
-use std::sync::OnceLock;
+mod checks;
+mod parts;
 
-use ndarray::ArrayView2;
+use std::sync::{Arc, OnceLock};
 
-use crate::error::{ArgumentError, Error, Result, unusable_values};
+use ndarray::{Array2, ArrayView2};
+
+pub use crate::elements::Elements;
+use crate::error::Result;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
 pub use crate::operators::positions;
-use crate::operators::{EdgeLaplacian, Gradient, LaplacianPattern, invertible_masses};
+use crate::operators::{
+    self, EdgeElements, EdgeLaplacian, Gradient, LaplacianPattern, Mass, invertible_masses,
+};
 use crate::solver::{Cholesky, Demand, LinearSolver, Solver, Symbolic};
 
-/// Gradients from here on are refused: their squares, added up, have to be numbers.
-const STEEPEST: f64 = 1e145;
-
 /// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
+///
+/// Functions are given by their values at vertices. What flows are its unknowns, N of them: those
+/// values, or values at edges.
 #[derive(Debug, Clone)]
 pub struct Discretization {
     gradient: Gradient,
@@ -24,6 +30,10 @@ pub struct Discretization {
     /// Made for flows only; deformations never ask for them.
     edges: OnceLock<EdgeLaplacian>,
     masses: Vec<f64>,
+    /// c of [`Mass`].
+    couplings: Vec<f64>,
+    /// Where the unknowns are edges.
+    on_edges: Option<Arc<EdgeElements>>,
     area: f64,
     /// The largest component of a ∇λ, 1/length.
     steepest_hat: f64,
@@ -49,6 +59,41 @@ impl Discretization {
             "take a mesh of fewer vertices",
         )?;
         let gradient = Gradient::new(mesh, stage)?;
+        let masses = invertible_masses(mesh.vertex_areas());
+        Self::of_parts(gradient, masses, mesh.area(), stage)
+    }
+
+    /// The operators of `mesh` for functions of these `elements`.
+    ///
+    /// # Errors
+    /// As [`Self::new_with`].
+    pub(crate) fn of_elements(
+        mesh: &TriangleMesh,
+        elements: Elements,
+        stage: Stage,
+    ) -> Result<Self> {
+        if elements == Elements::Vertices {
+            return Self::new_with(mesh, stage);
+        }
+        stage.require(
+            needs::edge_operators(needs::Size::of(mesh)),
+            &format!("working on the edges of {} vertices", mesh.vertex_count()),
+            "take a mesh of fewer vertices",
+        )?;
+        let of_vertices = Gradient::new(mesh, stage)?;
+        let on_edges = EdgeElements::new(mesh, &of_vertices, stage)?;
+        let gradient = on_edges.gradient(&of_vertices);
+        drop(of_vertices);
+        let masses = invertible_masses(&on_edges.areas());
+        let couplings = stage.pass(|| on_edges.couplings(mesh))?;
+        Ok(Self {
+            couplings,
+            on_edges: Some(on_edges.into()),
+            ..Self::of_parts(gradient, masses, mesh.area(), stage)?
+        })
+    }
+
+    fn of_parts(gradient: Gradient, masses: Vec<f64>, area: f64, stage: Stage) -> Result<Self> {
         let pattern = LaplacianPattern::new(&gradient, stage)?;
         let hats = gradient.hats().as_flattened().as_flattened();
         let largest = || hats.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
@@ -59,9 +104,57 @@ impl Discretization {
             gradient,
             pattern,
             symbolic: Symbolic::default(),
-            masses: invertible_masses(mesh.vertex_areas()),
-            area: mesh.area(),
+            masses,
+            couplings: Vec::new(),
+            on_edges: None,
+            area,
         })
+    }
+
+    /// What functions are made of.
+    pub fn elements(&self) -> Elements {
+        match self.on_edges {
+            None => Elements::Vertices,
+            Some(_) => Elements::Edges,
+        }
+    }
+
+    /// Where the unknowns are, if that is on edges.
+    pub(crate) fn on_edges(&self) -> Option<&EdgeElements> {
+        self.on_edges.as_deref()
+    }
+
+    /// Number of vertices, V.
+    pub fn vertex_count(&self) -> usize {
+        match &self.on_edges {
+            None => self.masses.len(),
+            Some(on_edges) => on_edges.vertex_count(),
+        }
+    }
+
+    /// The unknowns, (C, N), of the function with these `values` (C, V); `None` where they are the
+    /// values.
+    pub(crate) fn unknowns(&self, values: ArrayView2<f64>) -> Option<Array2<f64>> {
+        let on_edges = self.on_edges.as_ref()?;
+        Some(on_edges.sample(values))
+    }
+
+    /// The values, (C, V), of the function with these `unknowns` (C, N). Where a vertex is in no
+    /// triangle, that of `before`.
+    pub(crate) fn values(&self, unknowns: Array2<f64>, before: ArrayView2<f64>) -> Array2<f64> {
+        match &self.on_edges {
+            None => unknowns,
+            Some(on_edges) => on_edges.interpolate(unknowns.view(), before),
+        }
+    }
+
+    /// TV of the function with these `values` (C, V), unit of the values × length. It is that of the
+    /// unknowns too: D S f = ∇f in every triangle.
+    pub fn total_variation(&self, values: ArrayView2<f64>) -> f64 {
+        match self.unknowns(values) {
+            None => operators::total_variation(&self.gradient, values),
+            Some(unknowns) => operators::total_variation(&self.gradient, unknowns.view()),
+        }
     }
 
     /// The gradient and the face areas.
@@ -124,7 +217,12 @@ impl Discretization {
         Cholesky::new(&self.pattern.zeros(), &self.symbolic, stage)
     }
 
-    /// M: the lumped mass of every vertex, length², positive everywhere.
+    /// H: the mass of the unknowns, length².
+    pub(crate) fn mass(&self) -> Mass<'_> {
+        Mass::coupled(&self.masses, &self.couplings, self.gradient.triangles())
+    }
+
+    /// M: the lumped mass of every unknown, length², positive everywhere.
     pub fn masses(&self) -> &[f64] {
         &self.masses
     }
@@ -133,61 +231,12 @@ impl Discretization {
     pub fn area(&self) -> f64 {
         self.area
     }
-
-    /// Refuses functions of values up to `largest` whose gradients could not be squared.
-    ///
-    /// # Errors
-    /// [`Error::Argument`].
-    pub fn check_gradients(&self, largest: f64) -> Result<()> {
-        match largest * self.steepest_hat < STEEPEST {
-            true => Ok(()),
-            false => Err(ArgumentError::contradiction(
-                "values",
-                &["mesh"],
-                format!(
-                    "values of {largest:.0e} on faces {:.0e} high have gradients beyond {STEEPEST:.0e}",
-                    self.steepest_hat.recip()
-                ),
-            ).into()),
-        }
-    }
-
-    /// Refuses `values` that are not a finite function on this mesh, (C, V) with C ≥ 1.
-    ///
-    /// # Errors
-    /// Names the shape, or the first vertex and channel whose value is not finite; as
-    /// [`Self::check_gradients`].
-    pub fn check_values(&self, values: ArrayView2<f64>) -> Result<()> {
-        let (channels, vertices) = values.dim();
-        if channels == 0 || vertices != self.masses.len() {
-            return Err(ArgumentError::contradiction(
-                "values",
-                &["mesh"],
-                format!(
-                    "values must have one row per vertex ({}) and at least one channel, but have \
-                     {vertices} rows and {channels} channels",
-                    self.masses.len()
-                ),
-            )
-            .into());
-        }
-        match unusable_values(values) {
-            Some((vertices, channel, value)) => Err(Error::NonFiniteValues {
-                vertices,
-                channel,
-                value,
-            }),
-            None => {
-                let largest = values.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
-                self.check_gradients(largest)
-            }
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
 
     #[test]
     fn preparations_end_when_cancelled() {
