@@ -92,9 +92,9 @@ impl Discretization {
 fn merge_functions(triangle: &[u32; 3], hats: &mut [FaceVector; 3]) {
     for (first, later) in [(0, 1), (0, 2), (1, 2)] {
         if triangle[first] == triangle[later] {
-            for axis in 0..2 {
-                hats[first][axis] += std::mem::take(&mut hats[later][axis]);
-            }
+            let [x, y] = std::mem::take(&mut hats[later]);
+            hats[first][0] += x;
+            hats[first][1] += y;
         }
     }
 }
