@@ -43,7 +43,7 @@ impl Discretization {
     /// The operators of `mesh`.
     ///
     /// # Errors
-    /// [`Error::Memory`].
+    /// [`crate::Error::Memory`].
     pub fn new(mesh: &TriangleMesh) -> Result<Self> {
         Self::new_with(mesh, Monitor::new().whole())
     }
@@ -51,7 +51,7 @@ impl Discretization {
     /// [`Self::new`], watched: `stage` cancels it.
     ///
     /// # Errors
-    /// As [`Self::new`], or [`Error::Cancelled`].
+    /// As [`Self::new`], or [`crate::Error::Cancelled`].
     pub fn new_with(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
         stage.require(
             needs::operators(needs::Size::of(mesh)),
@@ -170,7 +170,7 @@ impl Discretization {
     /// Makes [`Self::edges`], if they are not made yet.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// [`crate::Error::Cancelled`].
     pub(crate) fn prepare_edges(&self, stage: Stage) -> Result<()> {
         if self.edges.get().is_none() {
             let edges = EdgeLaplacian::new(&self.gradient, &self.pattern, stage)?;
