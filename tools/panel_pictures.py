@@ -12,14 +12,14 @@ LEFT, RIGHT = 774, 1030
 PICTURES = {
     "panel_recipes": ("1_tab", 84, 221),
     "panel_decompose": ("1_tab", 221, 465),
-    "panel_progress": ("2_progress", 221, 465),
+    "panel_progress": ("2_progress", 183, 427),
     "panel_scales": ("panel_base_limbs", 221, 634),
-    "panel_bands": ("4_bands", 518, 1078),
-    "panel_filters": ("4_bands", 1078, 1265),
-    "panel_curve": ("panel_curve", 1435, 1749),
+    "panel_bands": ("4_bands", 539, 1099),
+    "panel_filters": ("4_bands", 1099, 1286),
+    "panel_curve": ("panel_curve", 1476, 1783),
     "panel_deform": ("panel_deform", 526, 1026),
-    "panel_attributes": ("panel_attributes", 1082, 1353),
-    "panel_values": ("panel_values", 1353, 1592),
+    "panel_attributes": ("panel_attributes", 1082, 1376),
+    "panel_values": ("panel_values", 1377, 1640),
 }
 
 
