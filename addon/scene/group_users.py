@@ -43,7 +43,18 @@ def _has(owner: bpy.types.bpy_struct, name: str) -> bool:
         groups = [field for field, _ in fields.items() if "vertex_group" in field]
         if any(getattr(each, field) == name for field in groups):
             return True
-    return getattr(owner, "type", "") == "NODES" and name in dict(owner.items()).values()
+    return getattr(owner, "type", "") == "NODES" and name in _inputs(owner)
+
+
+def _inputs(nodes: bpy.types.NodesModifier) -> Iterator[object]:
+    """What the inputs of a modifier of Geometry Nodes are, and the attributes they take."""
+    if not hasattr(nodes, "properties"):  # before Blender 5.2
+        yield from nodes.values()
+        return
+    inputs = nodes.properties.inputs
+    for field in set(inputs.bl_rna.properties.keys()) - {"rna_type", "name"}:
+        socket = getattr(inputs, field)
+        yield from (getattr(socket, part, None) for part in ("value", "attribute_name"))
 
 
 def _aiming_at(obj: bpy.types.Object) -> Iterator[bpy.types.Constraint]:

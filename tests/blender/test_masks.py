@@ -239,7 +239,11 @@ def by_nodes(obj) -> None:
     socket = tree.interface.new_socket("Where", socket_type="NodeSocketFloat")
     modifier = obj.modifiers.new("Nodes", "NODES")
     modifier.node_group = tree
-    modifier[f"{socket.identifier}_attribute_name"] = MASKS[1]
+    if hasattr(modifier, "properties"):  # since Blender 5.2
+        given = getattr(modifier.properties.inputs, socket.identifier)
+        given.type, given.attribute_name = "ATTRIBUTE", MASKS[1]
+    else:
+        modifier[f"{socket.identifier}_attribute_name"] = MASKS[1]
 
 
 def by_a_constraint(obj) -> None:
