@@ -138,12 +138,7 @@ def forget() -> None:
 
 
 def _handlers() -> list[listening.Handler]:
-    handlers = bpy.app.handlers
-    return [
-        (handlers.depsgraph_update_post, _notice),
-        (handlers.undo_post, _distrust),
-        (handlers.redo_post, _distrust),
-    ]
+    return listening.changes(_notice, _distrust)
 
 
 def _notice(_scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:

@@ -53,12 +53,7 @@ def make_step() -> bool:
 
 
 def _handlers() -> list[listening.Handler]:
-    handlers = bpy.app.handlers
-    return [
-        (handlers.depsgraph_update_post, _notice),
-        (handlers.undo_post, _distrust),
-        (handlers.redo_post, _distrust),
-    ]
+    return listening.changes(_notice, _distrust)
 
 
 def _state() -> tuple | None:

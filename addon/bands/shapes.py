@@ -55,6 +55,18 @@ def groups(objects: Sequence[bpy.types.Object], settings: Settings) -> list[list
     return [[objects[index] for index in indices] for indices in found]
 
 
+def told_groups(
+    objects: Sequence[bpy.types.Object], settings: Settings, hint: str = ""
+) -> list[list[bpy.types.Object]]:
+    """The same, with a note on each group of several, which ends with a ``hint``."""
+    found = groups(objects, settings)
+    for group in found:
+        if len(group) > 1:
+            names = ", ".join(obj.name for obj in group)
+            note(f"{names} are split as one, as their open edges meet{hint}")
+    return found
+
+
 def vertex_count(obj: bpy.types.Object, settings: Settings) -> int:
     """How many vertices are decomposed; for panels, which ask at every redraw."""
     is_own = settings.shape not in ON_NEW_OBJECT

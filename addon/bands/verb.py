@@ -7,10 +7,8 @@ from dataclasses import replace
 import bpy
 
 from ..command_line.formats import BLEND, FORMATS
-from ..command_line.frames import all_or_frames, frames_of, treat_frames
-from ..command_line.load import freeze
+from ..command_line.frames_verb import FramesVerb
 from ..command_line.progress import progress
-from ..command_line.verb import Verb
 from ..options.arguments import add_arguments as add_options
 from ..options.arguments import complaint
 from ..scene import applied, multires
@@ -23,11 +21,11 @@ from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
 from .settings import Settings
-from .shapes import groups
+from .shapes import told_groups
 from .write_back import write_back
 
 
-class Decompose(Verb):
+class Decompose(FramesVerb):
     """Splits objects into bands, and filters them."""
 
     name = "decompose"
@@ -56,13 +54,7 @@ All other formats hold the filtered shape."""
             action="store_true",
             help="split every object by itself, even where the open edges of several meet",
         )
-        add(
-            "--frames",
-            metavar="START-END[:STEP]",
-            type=all_or_frames,
-            help="split and filter what is seen in each of these frames, or in all. The file plays "
-            "them; of a format that cannot, there is a file for each",
-        )
+        FramesVerb.add_frames(parser, "split and filter what is seen")
         add_gains(parser)
         add_safe(parser)
 
@@ -79,16 +71,9 @@ All other formats hold the filtered shape."""
     def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Give objects their bands; over frames, have them play their filtered shapes."""
         self._folding = FoldingGains(self.choices)
-        if self.choices.frames is None:
-            freeze(self.read, "; --frames all takes each as it is seen")
-            self.treat_groups(objects)
-            return
-
-        def treat(copies: list[bpy.types.Object], frame: int) -> None:
-            self.treat_groups(copies, f", frame {frame}")
-
-        treat_frames(objects, frames_of(self.choices.frames, self.read), treat)
-        self._folding.note_frames()
+        super().treat_all(objects)
+        if self.choices.frames is not None:
+            self._folding.note_frames()
 
     def choose(self) -> list[bpy.types.Object]:
         """The objects to split where none is named: those with levels, if these are asked for."""
@@ -107,12 +92,7 @@ All other formats hold the filtered shape."""
         """The objects, those together whose open edges meet."""
         if self.choices.apart:
             return super().groups(objects)
-        found = groups(objects, self.asked)
-        for group in found:
-            if len(group) > 1:
-                names = ", ".join(obj.name for obj in group)
-                note(f"{names} are split as one, as their open edges meet; --apart splits each")
-        return found
+        return told_groups(objects, self.asked, "; --apart splits each")
 
     def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         """Give objects their bands."""

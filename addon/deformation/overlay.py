@@ -201,13 +201,8 @@ def _listen() -> None:
 
 
 def _handlers() -> list[listening.Handler]:
-    handlers = bpy.app.handlers
-    return [
-        (handlers.depsgraph_update_post, _notice),
-        (handlers.frame_change_post, _notice),
-        (handlers.undo_post, _distrust),
-        (handlers.redo_post, _distrust),
-    ]
+    frames = (bpy.app.handlers.frame_change_post, _notice)
+    return [*listening.changes(_notice, _distrust), frames]
 
 
 def _notice(_scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:

@@ -5,11 +5,9 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..bands.shapes import groups
-from ..command_line.frames import all_or_frames, frames_of, treat_frames
-from ..command_line.load import freeze
+from ..bands.shapes import told_groups
+from ..command_line.frames_verb import FramesVerb
 from ..command_line.progress import progress
-from ..command_line.verb import Verb
 from ..options.arguments import add_arguments as add_options
 from ..scene.notes import note
 from ..scene.objects import Refusal
@@ -19,7 +17,7 @@ from .recipes import RECIPES
 from .settings import RecipeSettings
 
 
-class Recipe(Verb):
+class Recipe(FramesVerb):
     """Makes a recipe of objects."""
 
     name = "recipe"
@@ -43,13 +41,7 @@ formats hold the shape that is seen."""
         """Declare which recipe, and how strong."""
         super().add_arguments(parser)
         add_options(parser, RecipeSettings)
-        parser.add_argument(
-            "--frames",
-            metavar="START-END[:STEP]",
-            type=all_or_frames,
-            help="do so to what is seen in each of these frames, or in all. The file plays them; "
-            "of a format that cannot, there is a file for each",
-        )
+        FramesVerb.add_frames(parser, "do so to what is seen")
 
     def complaint(self) -> str | None:
         """What is wrong with them together."""
@@ -61,26 +53,9 @@ formats hold the shape that is seen."""
                 return f"--recipe: {error}"
         return reason
 
-    def treat_all(self, objects: list[bpy.types.Object]) -> None:
-        """Give objects the look; over frames, have them play it."""
-        if self.choices.frames is None:
-            freeze(self.read, "; --frames all takes each as it is seen")
-            self.treat_groups(objects)
-            return
-
-        def treat(copies: list[bpy.types.Object], frame: int) -> None:
-            self.treat_groups(copies, f", frame {frame}")
-
-        treat_frames(objects, frames_of(self.choices.frames, self.read), treat)
-
     def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         """The objects, those together whose open edges meet."""
-        found = groups(objects, own.find(self.asked.recipe).settings)
-        for group in found:
-            if len(group) > 1:
-                names = ", ".join(obj.name for obj in group)
-                note(f"{names} are split as one, as their open edges meet")
-        return found
+        return told_groups(objects, own.find(self.asked.recipe).settings)
 
     def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         """Give objects the look."""

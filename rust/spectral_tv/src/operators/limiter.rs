@@ -8,8 +8,8 @@ type Limits = Vec<[f64; 2]>;
 
 /// Of one function: integrals over the vertices' areas, and what is known about their corrections.
 ///
-/// In a triangle with a, b at the edges that meet in a corner and c opposite to it, the corner's
-/// share of the area A is A/3 (a + b)/2, and its correction δ = A/3 ((a + b)/2 − c). The three
+/// A corner of a triangle of area A has the values a, b at its own edges, and c at the opposite one.
+/// Its share of the integral is A/3 (a + b)/2. Its correction is δ = A/3 ((a + b)/2 − c). The three
 /// corrections sum to 0, so any part α of them keeps the mean. With α = 1 the share is A/3 (a + b − c):
 /// the linear function that is a, b, c at the midpoints, at its corner.
 pub(super) struct Corrections {
