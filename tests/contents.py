@@ -14,6 +14,7 @@ TYPES = {
     "INT8": ("value", 1, np.int8),
     "BOOLEAN": ("value", 1, bool),
     "FLOAT2": ("vector", 2, np.float32),
+    "INT16_2D": ("value", 2, np.int16),
     "INT32_2D": ("value", 2, np.int32),
     "FLOAT_VECTOR": ("vector", 3, np.float32),
     "FLOAT_COLOR": ("color", 4, np.float32),
@@ -27,7 +28,7 @@ def contents() -> dict[str, Any]:
     for obj in bpy.data.objects:
         found[f"object {obj.name}"] = _object(obj)
     for mesh in [mesh for mesh in bpy.data.meshes if mesh.users]:  # others are not saved
-        found[f"mesh {mesh.name}"] = _mesh(mesh)
+        found[f"mesh {mesh.name}"] = of_mesh(mesh)
     for image in [image for image in bpy.data.images if image.source != "VIEWER"]:
         found[f"image {image.name}"] = (*image.size, _flat(image.pixels, None, len(image.pixels)))
     for text in bpy.data.texts:
@@ -91,7 +92,7 @@ def _bone(posed: bpy.types.PoseBone) -> tuple[Any, ...]:
     return (posed.name, posed.parent and posed.parent.name, posed.length, rows)
 
 
-def _mesh(mesh: bpy.types.Mesh) -> dict[str, Any]:
+def of_mesh(mesh: bpy.types.Mesh) -> dict[str, Any]:
     """Its vertices, faces, weights, attributes, shape keys and what the extension remembers."""
     found: dict[str, Any] = {
         "co": _flat(mesh.vertices, "co", 3 * len(mesh.vertices)),

@@ -20,6 +20,7 @@ class SpectralTVPainting(bpy.types.PropertyGroup):
     owner = bpy.types.Object, "spectral_tv_painting"
 
     mode: StringProperty(name="Mode", description="Of the object before its mask was painted")
+    group: StringProperty(name="Group", description="The vertex group that was active then")
 
 
 class SPECTRAL_TV_OT_paint_mask(MaskOperator, bpy.types.Operator):
@@ -51,15 +52,20 @@ class SPECTRAL_TV_OT_paint_mask(MaskOperator, bpy.types.Operator):
             band = band_of(obj, self.band)
             if is_painted(obj, band):
                 set_mode(obj, painting.mode or "OBJECT")
-                painting.property_unset("mode")
+                if painting.group in obj.vertex_groups:
+                    obj.vertex_groups.active = obj.vertex_groups[painting.group]
+                for name in ("mode", "group"):
+                    painting.property_unset(name)
                 return None
+            active = obj.vertex_groups.active
+            former_group = "" if active is None else active.name
             done = self._ready(obj, band)
             set_mode(obj, PAINTING)
         except BaseException:
             set_mode(obj, former)
             raise
         if former != PAINTING:
-            painting.mode = former
+            painting.mode, painting.group = former, former_group
         return done
 
     def _ready(self, obj: bpy.types.Object, band: Band) -> str:

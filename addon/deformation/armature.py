@@ -13,7 +13,7 @@ from ..scene.contents import digest
 from ..scene.names import free_name, taken_names
 from ..scene.notes import note
 from ..scene.temporary import Temporary
-from ..scene.weights import members
+from ..scene.weights import add_group, members
 from .bones import Bone, placed
 from .constraints import deformation_of
 
@@ -213,12 +213,10 @@ def _switch_off(modifier: bpy.types.ArmatureModifier) -> None:
 
 
 def _add_group(obj: bpy.types.Object, name: str, weights: np.ndarray) -> None:
-    active = obj.vertex_groups.active_index
-    group = obj.vertex_groups.new(name=name)
+    group = add_group(obj, name)
     group.add(np.flatnonzero(weights == 1).tolist(), 1.0, "REPLACE")
     for vertex in np.flatnonzero((weights > 0) & (weights < 1)).tolist():
         group.add([vertex], float(weights[vertex]), "REPLACE")
-    obj.vertex_groups.active_index = active
 
 
 def _add_modifier(obj: bpy.types.Object, armature: bpy.types.Object) -> None:

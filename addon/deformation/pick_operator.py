@@ -9,6 +9,7 @@ from mathutils import Vector
 from ..job.operator import REFUSALS, ChangeOperator
 from ..scene.notes import gathered, note
 from ..scene.objects import Refusal, refusal
+from ..scene.weights import add_group
 from . import constraints, overlay
 from .deform_operator import SPECTRAL_TV_OT_deform
 from .empties import constrain
@@ -256,7 +257,7 @@ def _constrain(context: bpy.types.Context, obj: bpy.types.Object, strokes: Strok
     labels = {kind: label for kind, label, *_ in constraints.KINDS}
     made, done = None, []
     for kind, name, vertices in strokes.groups():
-        group = obj.vertex_groups.new(name=name or labels[kind])
+        group = add_group(obj, name or labels[kind])
         group.add(vertices.tolist(), 1.0, "REPLACE")
         made = constrain(obj, group.name, kind)
         done.append(f"{len(vertices)} vertices {'stay' if kind == 'PIN' else 'move'}")

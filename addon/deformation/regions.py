@@ -8,6 +8,7 @@ import numpy as np
 
 from ..scene.coordinates import basis_coordinates
 from ..scene.objects import Refusal
+from ..scene.weights import add_group
 
 AXES = "xyz"
 REGION = re.compile(rf"([{AXES}])\s*([<>])\s*(\d+(?:\.\d*)?)\s*%", re.IGNORECASE)
@@ -57,6 +58,6 @@ def group_of(obj: bpy.types.Object, where: str) -> str:
     members = region.members(obj)
     if not len(members):
         raise Refusal(f"the region {region.name!r} holds no vertex")
-    group = obj.vertex_groups.new(name=region.name)
+    group = add_group(obj, region.name)
     group.add(members.tolist(), 1.0, "REPLACE")
     return group.name

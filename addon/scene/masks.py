@@ -16,7 +16,7 @@ from .mix import keys_of, mask
 from .names import free_name, taken_names
 from .notes import listed, note
 from .objects import Refusal
-from .weights import set_weights
+from .weights import add_group, set_weights
 
 # What of its name comes after that of its key.
 LABEL = "Mask"
@@ -155,10 +155,7 @@ def release(obj: bpy.types.Object) -> None:
 
 def _new(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bpy.types.VertexGroup:
     """A new vertex group, so far empty, that is remembered as the mask of a key."""
-    active = obj.vertex_groups.active_index
-    group = obj.vertex_groups.new(name=free_name(key.name, LABEL, taken_names(obj, "GROUP")))
-    if active >= 0:
-        obj.vertex_groups.active_index = active
+    group = add_group(obj, free_name(key.name, LABEL, taken_names(obj, "GROUP")))
     if group.name not in obj.data.spectral_tv.masks:
         obj.data.spectral_tv.masks.add().name = group.name
     return group

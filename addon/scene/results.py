@@ -22,7 +22,7 @@ from .names import free_name, taken_names
 from .notes import note
 from .objects import Refusal
 from .shape_keys import add_displacements, remove_key, set_displacement
-from .weights import set_weights
+from .weights import add_group, set_weights
 from .whole import whole
 
 # Blender's own attributes that end it where they are of another type; 5.2 refuses none of them.
@@ -194,10 +194,7 @@ def _add(obj: bpy.types.Object, piece: Piece, stem: str, label: str) -> str:
         (key,) = add_displacements(obj, [name], np.zeros((1, len(obj.data.vertices), 3)))
         return key.name
     if piece.written == "GROUP":
-        active = obj.vertex_groups.active_index
-        group = obj.vertex_groups.new(name=name)
-        obj.vertex_groups.active_index = active
-        return group.name
+        return add_group(obj, name).name
     attribute = None
     if name not in OF_ONE_TYPE:
         attribute = obj.data.attributes.new(name, piece.data_type, piece.domain)

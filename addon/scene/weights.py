@@ -44,6 +44,15 @@ def weights_of(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> np.ndarra
     return weights
 
 
+def add_group(obj: bpy.types.Object, name: str) -> bpy.types.VertexGroup:
+    """A new vertex group, so far empty; the active one stays it."""
+    active = obj.vertex_groups.active_index
+    group = obj.vertex_groups.new(name=name)
+    if active >= 0:
+        obj.vertex_groups.active_index = active
+    return group
+
+
 def set_weights(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
     """Give all vertices their weights in a group, (V,), cut off at 0 and 1; 0 is outside."""
     weights = np.clip(weights, 0, 1).astype(np.float32)
