@@ -14,7 +14,8 @@ from ..scene import masks
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.fingerprints import Likeness
 from ..scene.keeping import PLACES, USUAL, Band
-from ..scene.naming import band_names, free_stem
+from ..scene.names import free_name, taken_names
+from ..scene.naming import band_names, free_stem, rename_key
 from ..scene.notes import about, listed, note
 from ..scene.places import world_scale
 from ..scene.records import (
@@ -34,6 +35,9 @@ from .recut import Former, Recut
 from .replacing import replaced
 from .settings import Settings
 from .solo import end_solo
+
+# What the name of a band has in addition that was sculpted, where a new band gets its name.
+SCULPTED = "Sculpted"
 
 
 @dataclass(frozen=True)
@@ -201,11 +205,16 @@ def _take_place(
     old = []
     likes = recognise_bands(obj, record)
     for band, (name, likeness), own in zip(record.bands, likes, usual, strict=True):
-        is_changed = likeness == Likeness.CHANGED
-        if is_changed:
-            note(f"{name!r} was sculpted since; it stays, muted, and is no longer a band")
         # Files of 0.1.0 do not tell what a band was called.
-        old.append(Former(there[name] if name else None, is_changed, band.given or own))
+        key, given = there[name] if name else None, band.given or own
+        is_changed = likeness == Likeness.CHANGED
+        if is_changed and name == given:  # which a new band gets
+            given = free_name(name, SCULPTED, taken_names(obj, keeping_of(record).written))
+            rename_key(obj.data, key, given)
+        if is_changed:
+            as_what = f" as {given!r}" if given != name else ""
+            note(f"{name!r} was sculpted since; it stays{as_what}, muted, and is no longer a band")
+        old.append(Former(key, is_changed, given))
     if all(each.band is None for each in old):
         for band in new:
             band.vertex_group = settings_of(record).vertex_group

@@ -6,11 +6,12 @@ from ..drawing.sidebar import Sidebar, say
 from ..drawing.work import WorkPanel, draw_button, draw_fault, draw_needs
 from ..job import jobs
 from ..options import rows
+from ..scene.decomposition import SpectralTVRecord
 from ..scene.modifiers import between
 from ..scene.objects import is_mesh, refusal, selected_meshes
-from ..scene.records import record_of
+from ..scene.records import bands_shown, record_of
 from .decompose import SPECTRAL_TV_OT_decompose
-from .replacing import replaced, replaced_bands, why_not
+from .replacing import replaced, why_not
 from .shapes import remarks, vertex_count
 
 
@@ -35,10 +36,12 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
         draw_fault(layout, context)
         if reason is None:
             settings = choices.settings()
-            for text in remarks(obj, settings, replaced_bands(obj, settings)):
+            former = replaced(obj, settings)
+            bands = () if former is None else bands_shown(obj, former)
+            for text in remarks(obj, settings, [key for key in bands if key is not None]):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
             draw_needs(layout, context, settings.needs(vertex_count(obj, settings)))
-            draw_into(layout, context, choices)
+            draw_into(layout, context, former)
         draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
         if reason is None and len(selected_meshes(context)) > 1:
             together = draw_button(
@@ -53,21 +56,23 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
 
 
 def draw_into(
-    layout: bpy.types.UILayout, context: bpy.types.Context, choices: bpy.types.PropertyGroup
+    layout: bpy.types.UILayout, context: bpy.types.Context, former: SpectralTVRecord | None
 ) -> None:
-    """Draw what becomes of the bands that there are, if there are any."""
-    obj, settings = context.active_object, choices.settings()
+    """Draw what becomes of the bands that there are, if there are any; those of ``former`` are
+    replaced.
+    """
+    obj, choices = context.active_object, context.scene.spectral_tv
     active = record_of(obj)
     if active is None:
         return
     row = layout.row()
     row.use_property_split = False
     row.prop(choices, "into", expand=True)
-    record = replaced(obj, settings)
-    if record is not None:
-        say(layout, context, f"Replaces {record.name}; look kept", "INFO")
-    elif settings.into == "REPLACE":
-        say(layout, context, f"Added, as {active.name} is {why_not(obj, settings)}", "INFO")
+    if former is not None:
+        say(layout, context, f"Replaces {former.name}; look kept", "INFO")
+    elif choices.into == "REPLACE":
+        reason = why_not(obj, choices.settings())
+        say(layout, context, f"Added, as {active.name} is {reason}", "INFO")
 
 
 class PartPanel(Sidebar):

@@ -14,8 +14,9 @@ from ..scene.records import bands_shown, records_of
 from .guard import Counts, Reference, distortion
 from .set_bands import bands_refusal
 
-# Triangles that are counted again at every move of a slider; of more, when the user asks.
-MOST_LIVE = 1_000_000
+# Triangles that are counted again at every move of a slider; of more, when it rests; and of still
+# more, when the user asks.
+MOST_MOVING, MOST_LIVE = 100_000, 1_000_000
 # Objects whose faces are kept in memory: those seen last.
 MOST_KNOWN = 2
 # Where the shape keys are what is seen.
@@ -38,7 +39,15 @@ class _Watched:
         self.reference = Reference()
         self.question: tuple | None = None
         self.line: Line | None = None
+        self._awaited: tuple | None = None
         self._sliders = _sliders(obj.data)
+
+    def is_moving(self, question: tuple) -> bool:
+        """Whether the answer is to wait, as sliders move. When they rest, panels are drawn anew."""
+        if question != self._awaited:
+            self._awaited = question
+            listening.await_rest(_redraw)
+        return listening.is_awaiting(_redraw)
 
     def count(self, obj: bpy.types.Object, question: tuple) -> Line:
         """Count anew."""
@@ -85,12 +94,17 @@ def line(context: bpy.types.Context) -> Line | None:
     obj = context.active_object
     if obj.mode not in MODES or obj.data.is_editmode or not obj.data.shape_keys.use_relative:
         return None
-    known = _watched.get(obj.session_uid)
-    if known is not None and known.question == _question(obj):
+    known, question = _watched.get(obj.session_uid), _question(obj)
+    if known is not None and known.question == question:
         return known.line
     if context.screen is not None and context.screen.is_animation_playing:
         return Line("Folds are counted when the animation stops")
-    return count(obj) if _triangles(obj.data) <= MOST_LIVE else Line()
+    triangles = _triangles(obj.data)
+    if triangles > MOST_LIVE:
+        return Line()
+    if triangles > MOST_MOVING and known is not None and known.is_moving(question):
+        return Line("Folds are counted when the sliders rest")
+    return count(obj)
 
 
 def count(obj: bpy.types.Object) -> Line:
@@ -135,6 +149,7 @@ def forget() -> None:
     """Let go of all that is kept, and listen no more."""
     _watched.clear()
     listening.ignore(_handlers())
+    listening.stop_awaiting(_redraw)
 
 
 def _handlers() -> list[listening.Handler]:
@@ -148,6 +163,13 @@ def _notice(_scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
             for each in _watched.values():
                 if each.mesh == mesh.session_uid:
                     each.notice(mesh)
+
+
+def _redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
 
 
 def _distrust(*_arguments: object) -> None:

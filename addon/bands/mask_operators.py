@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from ..scene import masks
+from ..scene import masks, multires
 from ..scene.arrays import numbers
 from ..scene.contents import attribute_values
 from ..scene.keeping import Band
@@ -17,7 +17,6 @@ from ..scene.records import bands_of, record_of, topology_changed
 from ..scene.weights import group_named, weights_of
 from .set_bands import BandsOperator, bands_refusal
 
-SCULPT_MASK = ".sculpt_mask"
 SOURCES = (
     ("SELECTION", "Selection", "The selected vertices"),
     ("GROUP", "Vertex Group", "The weights of a vertex group, such as a segment"),
@@ -168,7 +167,9 @@ class SPECTRAL_TV_OT_fill_mask(MaskOperator, bpy.types.Operator):
             if not found.any():
                 raise Refusal("no vertex is selected; select some in Edit Mode")
             return found.astype(np.float64)
-        attribute = obj.data.attributes.get(SCULPT_MASK)
+        attribute = obj.data.attributes.get(masks.SCULPT_MASK)
+        if attribute is None and multires.is_masked(obj):
+            raise Refusal("what is masked is in its levels, of which Blender gives out no masks")
         if attribute is None or attribute.domain != "POINT":
             raise Refusal("nothing is masked in Sculpt Mode")
         return 1 - np.clip(attribute_values(attribute).astype(np.float64), 0, 1)

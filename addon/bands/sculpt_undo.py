@@ -10,8 +10,6 @@ from ..scene import listening
 from ..scene.mix import keys_of
 from ..scene.records import record_of
 
-# Seconds without a change after which a slider is let go of.
-REST = 0.4
 STEP = "Set Bands"
 
 
@@ -36,8 +34,7 @@ def stop() -> None:
 def forget() -> None:
     """Let go of what was seen."""
     _Watch.seen = _Watch.stepped = None
-    if bpy.app.timers.is_registered(_rest):
-        bpy.app.timers.unregister(_rest)
+    listening.stop_awaiting(_rest)
 
 
 def make_step() -> bool:
@@ -75,9 +72,7 @@ def _notice(_scene: bpy.types.Scene, _graph: bpy.types.Depsgraph) -> None:
     if now == _Watch.seen:
         return
     _Watch.seen = now
-    if bpy.app.timers.is_registered(_rest):
-        bpy.app.timers.unregister(_rest)
-    bpy.app.timers.register(_rest, first_interval=REST)
+    listening.await_rest(_rest)
 
 
 def _rest() -> None:

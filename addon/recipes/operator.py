@@ -7,6 +7,8 @@ import bpy
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..job.steps import Steps
+from ..scene.notes import note
+from ..scene.objects import selected_meshes
 from . import own
 from .making import Made, Making
 from .properties import RecipeChoices
@@ -40,6 +42,14 @@ class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         asked = self.settings()
         recipe = own.find(asked.recipe)
+        others = len(selected_meshes(bpy.context)) - 1
+        if others:
+            left = (
+                "the other selected mesh stays as it is"
+                if others == 1
+                else (f"the other {others} selected meshes stay as they are")
+            )
+            note(f"recipes are of the active object alone: {left}")
         return Prepared(Seen.of(obj), Making.prepare([obj], recipe, asked.strength))
 
     def recall(self, prepared: Prepared) -> Made | None:

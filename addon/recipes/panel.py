@@ -4,7 +4,7 @@ import bpy
 
 from ..drawing.sidebar import say
 from ..drawing.work import WorkPanel, draw_fault
-from ..scene.objects import refusal
+from ..scene.objects import refusal, selected_meshes
 from .menu import SPECTRAL_TV_MT_own_recipes, button
 from .recipes import RECIPES
 
@@ -26,6 +26,8 @@ class SPECTRAL_TV_PT_recipes(WorkPanel, bpy.types.Panel):
         reason = refusal(context.active_object)
         if reason is not None:
             say(layout, context, reason, "INFO")
+        elif len(selected_meshes(context)) > 1:
+            say(layout, context, f"Of {context.active_object.name} alone", "INFO")
         draw_fault(layout, context)
         grid = layout.grid_flow(columns=2, row_major=True, align=True, even_columns=True)
         for recipe in RECIPES:

@@ -1,9 +1,11 @@
-"""Listening to what Blender tells of: updates, undo, frames."""
+"""Listening to what Blender tells of: updates, undo, frames; and waiting until it rests."""
 
 from collections.abc import Callable, Iterable
 
 import bpy
 
+# Seconds without a change after which a slider is let go of.
+REST = 0.4
 # One of the lists in bpy.app.handlers, and what is called.
 Handler = tuple[list, Callable[..., None]]
 
@@ -30,3 +32,20 @@ def changes(notice: Callable[..., None], distrust: Callable[..., None]) -> list[
         (handlers.undo_post, distrust),
         (handlers.redo_post, distrust),
     ]
+
+
+def await_rest(action: Callable[[], None]) -> None:
+    """Have an action called once, when this was not asked for during a rest."""
+    stop_awaiting(action)
+    bpy.app.timers.register(action, first_interval=REST)
+
+
+def is_awaiting(action: Callable[[], None]) -> bool:
+    """Whether it will be called."""
+    return bpy.app.timers.is_registered(action)
+
+
+def stop_awaiting(action: Callable[[], None]) -> None:
+    """Have it not be called."""
+    if is_awaiting(action):
+        bpy.app.timers.unregister(action)

@@ -20,6 +20,8 @@ from .weights import add_group, set_weights
 
 # What of its name comes after that of its key.
 LABEL = "Mask"
+# The attribute with what is masked in Sculpt Mode; masks of Multiresolution are in no attribute.
+SCULPT_MASK = ".sculpt_mask"
 
 
 class SpectralTVMask(bpy.types.PropertyGroup):

@@ -54,6 +54,12 @@ def levels_refusal(obj: bpy.types.Object) -> str | None:
     return None
 
 
+def is_masked(obj: bpy.types.Object) -> bool:
+    """Whether something of ``obj`` is masked in Sculpt Mode, or was: be it of its levels."""
+    with bpy.context.temp_override(object=obj, active_object=obj):
+        return bpy.ops.mesh.customdata_mask_clear.poll()
+
+
 def top_count(obj: bpy.types.Object) -> int:
     """How many vertices the top level has, worked out without it."""
     mesh = obj.data

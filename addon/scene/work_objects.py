@@ -10,6 +10,8 @@ from bpy.props import FloatVectorProperty, IntProperty, PointerProperty, StringP
 from . import applied, multires
 from .coordinates import points
 from .fingerprints import CHANGE, ROUNDING, SUMS, sketch
+from .masks import SCULPT_MASK
+from .notes import note
 from .objects import refusal
 from .places import is_in_a_scene
 
@@ -35,7 +37,12 @@ def is_work(obj: bpy.types.Object | None) -> bool:
 
 
 def make(source: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """A new work object of ``source``, whose mesh is the top level; it is in no render."""
+    """A new work object of ``source``, whose mesh is the top level; it is in no render.
+
+    Blender gives out no masks of levels, so those of Sculpt Mode are noted.
+    """
+    if multires.is_masked(source) and SCULPT_MASK not in mesh.attributes:
+        note(f"what is masked in Sculpt Mode stays with {source.name!r}: {mesh.name!r} has no mask")
     work = applied.object_of(mesh, source, "Work")
     work.hide_render = True
     remember(work, source, points(mesh.vertices))

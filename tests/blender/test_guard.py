@@ -86,6 +86,20 @@ def sheet():
     live_guard.forget()
 
 
+def test_the_line_of_a_large_mesh_waits_until_the_sliders_rest(sheet, monkeypatch):
+    monkeypatch.setattr(live_guard, "MOST_MOVING", 10)
+    assert line() == "No face folds"
+    turn(sheet, **WILD)
+    assert line() == line() == "Folds are counted when the sliders rest"
+    turn(sheet, **{name: value / 2 for name, value in WILD.items()})
+    assert line() == "Folds are counted when the sliders rest"
+    # In the background Blender calls no timers; this is what is left once it has.
+    live_guard.listening.stop_awaiting(live_guard._redraw)
+    mix = sum(value / 2 * moved(sheet, name) for name, value in WILD.items())
+    folded, stretched = counted(sheet, mix)
+    assert line() == (text(folded, stretched) if folded else f"{stretched} faces stretch")
+
+
 def test_the_line_follows_the_sliders(sheet):
     assert line() == "No face folds"
     seen = set()

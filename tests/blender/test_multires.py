@@ -127,6 +127,21 @@ def test_write_back_gives_the_levels_the_shape_and_changes_nothing_else(head, ca
     assert masked(head) == count
 
 
+def test_a_mask_of_sculpt_mode_is_told_to_stay(head, capfd):
+    bpy.ops.spectral_tv.work_object()
+    assert "masked in Sculpt Mode" not in capfd.readouterr().out
+    bpy.data.objects.remove(bpy.context.object)
+    head.hide_set(False)
+    bpy.context.view_layer.objects.active = head
+    mask_all(head)
+    bpy.ops.spectral_tv.decompose(**QUICK)
+    with pytest.raises(RuntimeError, match="is in its levels, of which Blender gives out no masks"):
+        bpy.ops.spectral_tv.fill_mask(band=1, source="SCULPT_MASK")
+    capfd.readouterr()
+    bpy.ops.spectral_tv.work_object()
+    assert "what is masked in Sculpt Mode stays with 'Head'" in capfd.readouterr().out
+
+
 def test_what_is_written_back_is_found_again_and_can_be_dialled_on(head, capfd):
     work = decomposed_work()
     bpy.ops.spectral_tv.write_back()

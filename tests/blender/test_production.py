@@ -118,7 +118,8 @@ def from_selection(obj) -> None:
 def painted(obj) -> None:
     dialled(obj)
     assert OPS.paint_mask(band=2, weight=0.5) == {"FINISHED"} and obj.mode == "WEIGHT_PAINT"
-    bpy.ops.paint.weight_set()
+    # Strokes need a window; this changes the active group, too.
+    bpy.ops.object.vertex_group_levels(group_select_mode="ACTIVE", gain=0.5)
     assert OPS.paint_mask(band=2) == {"FINISHED"} and obj.mode == "OBJECT"
     assert members(obj, bands(obj)[1].vertex_group).size == len(obj.data.vertices)
 

@@ -60,6 +60,17 @@ def test_one_step_decomposes_and_dials(name):
     assert np.abs(evaluated(obj) - before).max() > 1e-3
 
 
+def test_it_is_of_the_active_object_alone_and_tells_of_others(capfd):
+    other, obj = ball("Other"), ball("Active")
+    other.select_set(True)
+    make("Caricature")
+    assert "alone: the other selected mesh stays as it is" in capfd.readouterr().out
+    assert listed(obj) == ["Caricature"] and other.data.shape_keys is None
+    other.select_set(False)
+    make("Caricature")
+    assert "selected" not in capfd.readouterr().out
+
+
 @pytest.mark.parametrize("name", DIALLED)
 def test_another_strength_dials_the_same_bands_without_a_new_flow(name):
     obj = bumpy_ball()
