@@ -44,12 +44,8 @@ class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
         recipe = own.find(asked.recipe)
         others = len(selected_meshes(bpy.context)) - 1
         if others:
-            left = (
-                "the other selected mesh stays as it is"
-                if others == 1
-                else (f"the other {others} selected meshes stay as they are")
-            )
-            note(f"recipes are of the active object alone: {left}")
+            left = "mesh stays as it is" if others == 1 else "meshes stay as they are"
+            note(f"recipes are of the active object alone: the other selected {left}")
         return Prepared(Seen.of(obj), Making.prepare([obj], recipe, asked.strength))
 
     def recall(self, prepared: Prepared) -> Made | None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tools.bench import live
+from tools.bench import live, sliders
 from tools.bench.laplacian_deform import LaplacianDeform
 from tools.bench.meshes import bumpy_sphere, pinched_sphere
 from tools.bench.turn import DEGREES, Turn
@@ -75,3 +76,10 @@ def test_live_is_measured_until_it_has_settled(algorithm):
     assert found["reading"] > 0 and found["settling"] > 0
     assert 0 < found["before"] <= found["most"]
     assert 0 <= found["lag"] < 0.1
+
+
+@pytest.mark.skipif(not any((ROOT / "dist").glob("*.zip")), reason="the extension is not built")
+def test_sliders_are_measured_alone_and_with_the_extension():
+    found = sliders.measured(pinched_sphere(8), [sys.executable])
+    assert [each["acting"] for each in found] == [1, sliders.BANDS]
+    assert all(each[name] > 0 for each in found for name in ("alone", "with", "faces", "vertices"))

@@ -20,6 +20,7 @@ from . import (
     live,
     machine,
     posing,
+    sliders,
     smoothing,
     steps,
 )
@@ -77,6 +78,10 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         for n in (SMALL_PINCHED if arguments.small else PINCHED)
     ]
     posed = files or [*pinched, ("bumpy sphere", bumpy_sphere(8 if arguments.small else 26))]
+    slid = files or [
+        ("bumpy sphere", bumpy_sphere(n))
+        for n in (SMALL_FREQUENCIES if arguments.small else sliders.FREQUENCIES)
+    ]
     sizes = SMALL_SIZES if arguments.small else SIZES
     estimated = SMALL_ESTIMATED if arguments.small else ESTIMATED
     least = arguments.least
@@ -90,6 +95,7 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         "posing": lambda page: posing.report(page, posed),
         "pose_dragging": lambda page: posing.report_dragging(page, files or pinched),
         "live": lambda page: live.report(page, files or pinched),
+        "sliders": lambda page: sliders.report(page, slid),
         "smoothing": lambda page: smoothing.report(page, shapes),
         "interruption": lambda page: interruption.report(page, shapes),
         "growth": lambda page: growth.report(page, sizes),

@@ -8,36 +8,23 @@ extension`` built.
 from __future__ import annotations
 
 import json
-import os
 import sys
-import tempfile
 import time
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 
+from .in_blender import MODULE, add_object, bpy, install
 from .process import peak_memory
 from .turn import Turn
 
-_RESOURCES = tempfile.TemporaryDirectory(prefix="spectral_tv_live_")
-os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES.name  # bpy reads it on import
-
-import bpy  # noqa: E402
-
-MODULE = "bl_ext.user_default.spectral_tv"
-DIST = Path(__file__).resolve().parents[2] / "dist"
 POLL = 1 / 120
 
 
 def main() -> None:
     """Print what is measured with the mesh, the algorithm and the frames of the command line."""
     path, algorithm, frames = sys.argv[1:]
-    (built,) = DIST.glob("spectral_tv-*.zip")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.extensions.package_install_files(
-        filepath=str(built), repo="user_default", enable_on_install=True
-    )
+    install()
     data = np.load(path)
     turn = Turn("Mesh", data["vertices"], data["triangles"], is_free=True)
     print(json.dumps(measured(turn, algorithm, int(frames))))
@@ -45,7 +32,7 @@ def main() -> None:
 
 def measured(turn: Turn, algorithm: str, frames: int) -> dict[str, float]:
     """Take the handle on its way, then let it rest."""
-    obj = _object(turn)
+    obj = add_object(turn.vertices, turn.triangles)
     constraints, empty = obj.spectral_tv.constraints, bpy.data.objects.new("Handle", None)
     bpy.context.scene.collection.objects.link(empty)
     empty.location = _place(turn, 0.0)
@@ -102,15 +89,6 @@ def _wait(live) -> None:
 def _place(turn: Turn, part: float) -> np.ndarray:
     """Where the middle of the handle is after a part of the turn."""
     return turn.targets(part)[turn.is_handle].mean(axis=0)
-
-
-def _object(turn: Turn) -> bpy.types.Object:
-    data = bpy.data.meshes.new("Mesh")
-    data.from_pydata(turn.vertices.tolist(), [], turn.triangles.tolist())
-    obj = bpy.data.objects.new("Mesh", data)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
-    return obj
 
 
 def _evaluate(obj: bpy.types.Object) -> np.ndarray:

@@ -17,7 +17,8 @@ import psutil
 
 TABLES = (
     "machine", "steps", "memory", "accuracy", "exact", "eigenpairs", "deformation", "dragging",
-    "rigid", "posing", "pose_dragging", "live", "smoothing", "interruption", "growth", "estimates",
+    "rigid", "posing", "pose_dragging", "live", "sliders", "smoothing", "interruption", "growth",
+    "estimates",
 )  # fmt: skip
 
 
