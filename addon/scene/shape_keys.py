@@ -79,9 +79,15 @@ def make_room(key: bpy.types.ShapeKey, value: float) -> None:
 def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
     """Remove a shape key with all that animates it.
 
-    Keys that are relative to it are made relative to Basis, and move the vertices as before.
+    Keys that are relative to it are made relative to Basis, and move the vertices as before. The
+    active key of each object stays it, unless it is the one that is removed.
     """
     keys = key.id_data
+    active = [
+        (user, user.active_shape_key.name)
+        for user in bpy.data.objects
+        if user.data == obj.data and user.active_shape_key not in (None, key)
+    ]
     basis = points(keys.reference_key.points)
     for other in keys.key_blocks:
         if other != key and other.relative_key == key:
@@ -92,6 +98,8 @@ def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
             _shift_relatives(other, shift)
     remove_channels(keys, key)
     obj.shape_key_remove(key)
+    for user, name in active:
+        user.active_shape_key_index = keys.key_blocks.find(name)
 
 
 def move_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, place: int) -> None:

@@ -212,10 +212,11 @@ def _weights(obj: bpy.types.Object, name: str) -> np.ndarray:
 
 
 def _attributes(mesh: bpy.types.Mesh) -> dict[str, Any]:
+    """Those that are not 0 everywhere: Edit Mode removes some of the others, and adds some."""
     found = {
         name: values
         for name, values in contents.of_mesh(mesh).items()
-        if name.startswith("attribute ") and name not in SELECTED
+        if name.startswith("attribute ") and name not in SELECTED and any(values)
     }
     color = mesh.color_attributes.default_color_name
     return {**found, "color of renders": color} if color else found

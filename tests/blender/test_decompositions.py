@@ -126,6 +126,17 @@ def test_reset_means_all_and_can_mean_one(both, keys):
     assert not any(values(both))
 
 
+def test_removing_one_leaves_the_active_key_of_each_object(both, keys):
+    """Sculpt Mode would change another one."""
+    both.shape_key_add(name="Smile", from_mix=False)
+    twin = bpy.data.objects.new("Twin", both.data)
+    both.active_shape_key_index = keys.find("Limbs and Head Band 2")
+    twin.active_shape_key_index = keys.find("Smile")
+    bpy.ops.spectral_tv.remove_decomposition(name="Shape Detail")
+    assert both.active_shape_key.name == "Limbs and Head Band 2"
+    assert twin.active_shape_key.name == "Smile"
+
+
 def test_removing_one_leaves_all_else(both, keys, capfd):
     smile = both.shape_key_add(name="Smile", from_mix=False)
     smile.driver_add("value").driver.expression = "0.5"

@@ -238,6 +238,83 @@ def reloaded(obj) -> None:
 ITEMS["save and load"] = reloaded
 
 
+def as_one(obj) -> None:
+    other = ball("Ball")
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    split(obj, together=True)
+    assert other.data.shape_keys is not None
+
+
+def convex(obj) -> None:
+    posed(obj)
+    obj.spectral_tv.algorithm = "CONVEX"
+    assert OPS.deform() == {"FINISHED"}
+
+
+def all_in_turn(obj) -> None:
+    masked(obj)
+    for work in (
+        lambda: OPS.blur_mask(band=2, radius=5),
+        lambda: OPS.cut(bands=4),
+        lambda: split(obj, bands=2, into="REPLACE"),
+        lambda: OPS.recipe(recipe="Caricature"),
+        OPS.bake_safe,
+        OPS.bake,
+        lambda: OPS.cosegment(segments=3, steps=8),
+        lambda: OPS.flow_attribute(kind="KEY", source="Blink", steps=8),
+        OPS.remove_decomposition,
+        OPS.remove_decomposition,
+    ):
+        assert work() in ({"FINISHED"}, None)
+    assert not obj.data.spectral_tv.decompositions
+
+
+def in_mode(mode: str, item: Item) -> Item:
+    """The same in a mode of the object, with a face key that is the active one meanwhile."""
+
+    def work(obj) -> None:
+        obj.active_shape_key_index = obj.data.shape_keys.key_blocks.find("Smile")
+        bpy.ops.ed.undo_push(message="without it Sculpt Mode has no undo in the background")
+        bpy.ops.object.mode_set(mode=mode)
+        item(obj)
+        assert obj.mode == mode
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert obj.active_shape_key.name == "Smile"
+        obj.active_shape_key_index = 0
+
+    return work
+
+
+def mask_from_edit_mode(obj) -> None:
+    split(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    assert OPS.fill_mask(band=1, source="SELECTION") == {"FINISHED"} and obj.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+ITEMS |= {
+    "limit to": lambda obj: split(obj, vertex_group="Lids"),
+    "selected as one": as_one,
+    "total variation": convex,
+    "accuracy": lambda obj: (split(obj), OPS.measure_accuracy(**QUICK)),
+    "eigenset": lambda obj: OPS.test_eigenset(group="Bone"),
+    "all in turn": all_in_turn,
+    "mask in Edit Mode": mask_from_edit_mode,
+    **{
+        f"{name} in {mode}": in_mode(mode, item)
+        for mode in ("SCULPT", "WEIGHT_PAINT", "TEXTURE_PAINT")
+        for name, item in (
+            ("decompose", dialled),
+            ("replace", replaced),
+            ("remove", removed),
+            ("recipe", lambda obj: OPS.recipe(recipe="Caricature")),
+        )
+    },
+}
+
+
 def worked_on(_head) -> bpy.types.Object:
     """The work object of the sculpt, split into bands, all at 0."""
     assert OPS.work_object() == {"FINISHED"}
