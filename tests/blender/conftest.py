@@ -32,6 +32,7 @@ OUTSIDE = [
     "test_limb_turns.py",
     "test_picture_files.py",
     "test_picture_headers.py",
+    "test_redraw.py",
 ]
 collect_ignore = OUTSIDE if IN_BLENDER else []
 
