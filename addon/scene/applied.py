@@ -2,6 +2,8 @@
 
 import bpy
 
+from . import results
+
 # What is selected in Edit Mode. Of edges that a modifier adds Blender leaves it to chance.
 SELECTED = (".select_vert", ".select_edge", ".select_poly")
 
@@ -20,7 +22,10 @@ def copy_of(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def object_of(mesh: bpy.types.Mesh, obj: bpy.types.Object, label: str) -> bpy.types.Object:
-    """A new object like ``obj`` with a shape of its own and no modifiers, in its collections."""
+    """A new object like ``obj`` with a shape of its own and no modifiers, in its collections.
+
+    Segments and other results on it are known as such.
+    """
     mesh.name = f"{obj.data.name} {label}"
     for name in SELECTED:
         if name in mesh.attributes:
@@ -31,6 +36,7 @@ def object_of(mesh: bpy.types.Mesh, obj: bpy.types.Object, label: str) -> bpy.ty
     _undress(copy)
     for collection in obj.users_collection:
         collection.objects.link(copy)
+    results.hand_on(obj, copy)
     return copy
 
 

@@ -16,7 +16,7 @@ from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringPr
 from .contents import TYPES
 from .decomposition import SpectralTVRecord
 from .documents import SpectralTVDocument
-from .fingerprints import Fingerprint, Likeness, names, recognise
+from .fingerprints import Fingerprint, Likeness, digests, names, recognise
 from .masks import SpectralTVMask
 from .names import free_name, taken_names
 from .notes import note
@@ -140,6 +140,20 @@ def follow(obj: bpy.types.Object) -> Callable[[], None]:
             each.take(obj, each.written, name)
 
     return renew
+
+
+def hand_on(obj: bpy.types.Object, copy: bpy.types.Object) -> None:
+    """Have a copy with other vertices know its groups and attributes that are ``obj``'s results."""
+    results = obj.data.spectral_tv.results
+    for written in ("GROUP", "ATTRIBUTE"):
+        there = names(copy, written)
+        found = {place: name for place, name in known(obj, written).items() if name in there}
+        fresh = digests(copy, written, [*found.values()]) if found else {}
+        for place, name in found.items():
+            each = copy.data.spectral_tv.results.add()
+            for field in ("kind", "source", "label", "written"):
+                setattr(each, field, getattr(results[place], field))
+            each.key, each.digest = name, fresh[name]
 
 
 def known(obj: bpy.types.Object, written: str) -> dict[int, str]:

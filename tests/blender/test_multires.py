@@ -15,6 +15,7 @@ from mathutils.kdtree import KDTree
 from rigged_body import FRAMES, driven, poses
 from sculpted_head import LEVELS, at_rest, bumpy, levels, reshaped, sculpted_head
 
+groups_shown = import_module(f"{MODULE}.scene.results").groups_shown
 QUICK = {"bands": 3, "steps": 8}
 
 
@@ -125,6 +126,21 @@ def test_write_back_gives_the_levels_the_shape_and_changes_nothing_else(head, ca
     changed = differences(before, {name: after[name] for name in before})
     assert changed == ["object Head: levels"]
     assert masked(head) == count
+
+
+@pytest.mark.parametrize("shape", ["MULTIRES", "APPLIED"])
+def test_segments_come_along_and_serve_as_masks(head, shape, capfd):
+    bpy.ops.spectral_tv.cosegment(segments=3, steps=8, outputs={"GROUPS", "COLOR"})
+    segments = [f"Segment {number}" for number in (1, 2, 3)]
+    bpy.ops.spectral_tv.decompose(shape=shape, **QUICK)
+    work = bpy.context.object
+    assert work != head and groups_shown(work, "SEGMENTS") == segments
+    bpy.ops.spectral_tv.fill_mask(band=1, source="GROUP", group=segments[1])
+    # As results that nobody changed they are written over.
+    capfd.readouterr()
+    bpy.ops.spectral_tv.cosegment(segments=3, steps=8, outputs={"GROUPS", "COLOR"})
+    assert "was changed since" not in capfd.readouterr().out
+    assert [each.name for each in work.vertex_groups if "Segment" in each.name] == segments
 
 
 def test_a_mask_of_sculpt_mode_is_told_to_stay(head, capfd):
