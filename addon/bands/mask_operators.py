@@ -8,7 +8,6 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ..scene import masks, multires
 from ..scene.arrays import numbers
-from ..scene.contents import attribute_values
 from ..scene.keeping import Band
 from ..scene.modes import out_of_edit_mode
 from ..scene.notes import listed, note
@@ -167,12 +166,12 @@ class SPECTRAL_TV_OT_fill_mask(MaskOperator, bpy.types.Operator):
             if not found.any():
                 raise Refusal("no vertex is selected; select some in Edit Mode")
             return found.astype(np.float64)
-        attribute = obj.data.attributes.get(masks.SCULPT_MASK)
-        if attribute is None and multires.is_masked(obj):
+        found = masks.sculpt_mask(obj.data)
+        if multires.is_masked(obj) and (found is None or not found.any()):
             raise Refusal("what is masked is in its levels, of which Blender gives out no masks")
-        if attribute is None or attribute.domain != "POINT":
+        if found is None:
             raise Refusal("nothing is masked in Sculpt Mode")
-        return 1 - np.clip(attribute_values(attribute).astype(np.float64), 0, 1)
+        return 1 - found
 
     def _combined(self, obj: bpy.types.Object, band: Band, found: np.ndarray) -> np.ndarray:
         if self.combine == "REPLACE":

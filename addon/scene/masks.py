@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from bpy.props import StringProperty
 
+from .contents import attribute_values
 from .group_users import keys_with, others_with, told
 from .mix import keys_of, mask
 from .names import free_name, taken_names
@@ -28,6 +29,17 @@ class SpectralTVMask(bpy.types.PropertyGroup):
     """A vertex group that was made as the mask of a shape key."""
 
     name: StringProperty(name="Name", description="Of the vertex group")
+
+
+def sculpt_mask(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """How much Sculpt Mode masks each vertex, (V,); None if it never did.
+
+    Of levels of Multiresolution it tells nothing: Blender 4.2 has 0 everywhere then.
+    """
+    attribute = mesh.attributes.get(SCULPT_MASK)
+    if attribute is None or attribute.domain != "POINT":
+        return None
+    return np.clip(attribute_values(attribute).astype(np.float64), 0, 1)
 
 
 def mask_group(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bpy.types.VertexGroup | None:

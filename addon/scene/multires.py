@@ -55,7 +55,9 @@ def levels_refusal(obj: bpy.types.Object) -> str | None:
 
 
 def is_masked(obj: bpy.types.Object) -> bool:
-    """Whether something of ``obj`` is masked in Sculpt Mode, or was: be it of its levels."""
+    """Whether something of ``obj``, which has levels, is or was masked in Sculpt Mode."""
+    if modifier_of(obj) is None:
+        return False
     with bpy.context.temp_override(object=obj, active_object=obj):
         return bpy.ops.mesh.customdata_mask_clear.poll()
 

@@ -10,7 +10,7 @@ from bpy.props import FloatVectorProperty, IntProperty, PointerProperty, StringP
 from . import applied, multires
 from .coordinates import points
 from .fingerprints import CHANGE, ROUNDING, SUMS, sketch
-from .masks import SCULPT_MASK
+from .masks import sculpt_mask
 from .notes import note
 from .objects import refusal
 from .places import is_in_a_scene
@@ -41,7 +41,8 @@ def make(source: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
 
     Blender gives out no masks of levels, so those of Sculpt Mode are noted.
     """
-    if multires.is_masked(source) and SCULPT_MASK not in mesh.attributes:
+    found = sculpt_mask(mesh)
+    if multires.is_masked(source) and (found is None or not found.any()):
         note(f"what is masked in Sculpt Mode stays with {source.name!r}: {mesh.name!r} has no mask")
     work = applied.object_of(mesh, source, "Work")
     work.hide_render = True
