@@ -9,6 +9,8 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.settings import Settings
+from spectral_tv.notes import about, listed, note
 
 from ..scene import masks
 from ..scene.decomposition import SpectralTVRecord
@@ -16,7 +18,6 @@ from ..scene.fingerprints import Likeness
 from ..scene.keeping import PLACES, USUAL, Band
 from ..scene.names import free_name, taken_names
 from ..scene.naming import band_names, free_stem, rename_key
-from ..scene.notes import about, listed, note
 from ..scene.places import world_scale
 from ..scene.records import (
     add_record,
@@ -33,7 +34,6 @@ from .bands import Flow, displacements, flow_of, keep_flow, settings_of, source_
 from .overlap import Overlap, overlap_of_flows
 from .recut import Former, Recut
 from .replacing import replaced
-from .settings import Settings
 from .solo import end_solo
 
 # What the name of a band has in addition that was sculpted, where a new band gets its name.

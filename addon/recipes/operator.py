@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import bpy
+from spectral_tv.notes import note
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..job.steps import Steps
-from ..scene.notes import note
 from ..scene.objects import selected_meshes
 from . import own
 from .making import Made, Making

@@ -6,12 +6,12 @@ A work object remembers its source. So its shape can be put back, whatever eithe
 import bpy
 import numpy as np
 from bpy.props import FloatVectorProperty, IntProperty, PointerProperty, StringProperty
+from spectral_tv.notes import note
 
 from . import applied, multires
 from .coordinates import points
 from .fingerprints import CHANGE, ROUNDING, SUMS, sketch
 from .masks import sculpt_mask
-from .notes import note
 from .objects import refusal
 from .places import is_in_a_scene
 

@@ -9,11 +9,11 @@ import bpy
 from ball import ball
 from conftest import MODULE
 from deform_scene import members
+from spectral_tv.bands.gains import PRESETS
 
 QUICK = {"bands": 3, "steps": 8}
 OPS = bpy.ops.spectral_tv
 RECIPES = import_module(f"{MODULE}.recipes.recipes").RECIPES
-PRESETS = import_module(f"{MODULE}.bands.gains").PRESETS
 
 Item = Callable[[bpy.types.Object], object]
 
