@@ -8,6 +8,8 @@ from . import (
     bands_panel,
     blur_mask,
     caricature,
+    count,
+    curve_watch,
     decompose,
     decompose_panel,
     limbs,
@@ -19,6 +21,7 @@ from . import (
     multires_panel,
     paint_mask,
     properties,
+    remarks,
     sculpt_undo,
     set_bands,
     sliders,
@@ -34,6 +37,7 @@ FILES = (
     decompose,
     limbs,
     set_bands,
+    count,
     sliders,
     take_bands,
     apply_look,
@@ -54,6 +58,12 @@ FILES = (
     caricature,
 )
 VERBS = (verb.Decompose,)
-START = LOADED = (sculpt_undo.start,)
-WITHDRAW = (sculpt_undo.stop,)
-FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget, sculpt_undo.forget)
+START = LOADED = (sculpt_undo.start, curve_watch.start)
+WITHDRAW = (sculpt_undo.stop, curve_watch.stop)
+FORGET = (
+    bands.flows.clear,
+    spectrum.forget,
+    live_guard.forget,
+    sculpt_undo.forget,
+    remarks.forget,
+)

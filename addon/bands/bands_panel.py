@@ -8,7 +8,17 @@ from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
-from . import filter_curve, list_panel, live_guard, mask_menu, sliders, spectrum
+from . import (
+    count,
+    curve_watch,
+    filter_curve,
+    list_panel,
+    live_guard,
+    mask_menu,
+    remarks,
+    sliders,
+    spectrum,
+)
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
@@ -50,6 +60,11 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             say(layout, context, text, "ERROR")
             return
         self._draw_spectrum(layout, record, context.scene.unit_settings)
+        # Above the sliders, so that it stays under the mouse whatever their number is.
+        row = layout.row()
+        row.enabled = operators.cut_refusal(obj) is None
+        row.prop(obj.data.spectral_tv_count, "bands")
+        remarks.draw(layout, context, obj.data, "count", count.state(record))
         column = layout.column(align=True)
         sliders.draw_scale(column, bands_shown(obj), icons=4)
         for number, key in enumerate(bands_shown(obj), start=1):
@@ -74,10 +89,6 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, icon="CHECKMARK").place = "HERE"
         row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, text="", icon="DUPLICATE").place = "COPY"
         layout.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
-        row = layout.row(align=True)
-        row.prop(context.scene.spectral_tv, "bands")
-        cut = row.operator(operators.SPECTRAL_TV_OT_cut.bl_idname)
-        cut.bands = context.scene.spectral_tv.bands
 
     @staticmethod
     def _draw_limbs(
@@ -89,7 +100,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.enabled = reason is None
         row.prop(obj.data.spectral_tv_limbs, "keep", slider=True)
         if reason is not None and record.identifier not in flows:
-            say(layout, context, f"{reason} to change it", "INFO")
+            say(layout, context, f"{reason} to change it or the number of bands", "INFO")
         sculpted = [band.key for band in record.bands if band.is_sculpted]
         if sculpted:
             verb = "was sculpted and stays" if len(sculpted) == 1 else "were sculpted and stay"
@@ -154,17 +165,19 @@ class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
 
     bl_label = "Filter Curve"
 
-    def rows(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        node = filter_curve.find()
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        obj, node = context.active_object, filter_curve.find()
         if node is None:
             layout.operator(operators.SPECTRAL_TV_OT_add_curve.bl_idname, icon="FCURVE")
             return
+        curve_watch.look(node)
         layout.template_curve_mapping(node, "mapping")
         row = layout.row()
         row.label(text="Finest")
         right = row.row()
         right.alignment = "RIGHT"
         right.label(text="Largest")
+        remarks.draw(layout, context, obj.data, "curve", curve_watch.state(obj))
         layout.operator(operators.SPECTRAL_TV_OT_apply_curve.bl_idname)
 
 

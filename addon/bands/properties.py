@@ -1,7 +1,11 @@
 """The choices in the sidebar that are about bands, kept with the scene."""
 
-import bpy
+from collections.abc import Callable
 
+import bpy
+from bpy.props import BoolProperty, StringProperty
+
+from ..drawing.sizes import size_of_active
 from ..options.properties import choices_of, property_of, sidebar_of
 from ..scene.records import record_of
 from .filtering import FilterSettings, SidebarFilter
@@ -11,10 +15,30 @@ from .settings import Settings
 DecompositionChoices = choices_of(Settings, "method shape")
 
 
-class SpectralTVScene(sidebar_of(Settings), bpy.types.PropertyGroup):
+# What follows when the user has changed options in the sidebar: it is called with their names.
+CHANGED: list[Callable[..., None]] = []
+
+
+def _changed(choices: "SpectralTVScene", *names: str) -> None:
+    for follow in CHANGED:
+        follow(choices.id_data, *names)
+
+
+class SpectralTVScene(
+    sidebar_of(Settings, _changed, size_of_active), bpy.types.PropertyGroup
+):  # fmt: skip
     """How the active object is decomposed."""
 
     owner = bpy.types.Scene, "spectral_tv"
+
+    at_once: BoolProperty(
+        name="At Once",
+        description="Decompose the active object anew whenever one of these settings is changed, "
+        "and have the new bands take the place of the active ones",
+        update=lambda choices, _context: _changed(choices, "at_once"),
+    )
+    # Of a change that is not done with, and how far that is; kept so that undo knows.
+    change: StringProperty(options={"HIDDEN"})
 
 
 class SpectralTVFilter(SidebarFilter, bpy.types.PropertyGroup):

@@ -120,9 +120,14 @@ class SPECTRAL_TV_OT_apply_curve(BandsOperator, bpy.types.Operator):
     bl_label = "Apply Curve"
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        node = filter_curve.ensure()
-        count = len(record_of(obj).bands)
-        set_values(obj, curve_values(lambda position: filter_curve.evaluate(node, position), count))
+        apply_curve(obj)
+
+
+def apply_curve(obj: bpy.types.Object) -> None:
+    """Set every band of the active decomposition to the height of the curve above it."""
+    node = filter_curve.ensure()
+    count = len(record_of(obj).bands)
+    set_values(obj, curve_values(lambda position: filter_curve.evaluate(node, position), count))
 
 
 class SPECTRAL_TV_OT_solo(BandsOperator, bpy.types.Operator):

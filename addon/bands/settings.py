@@ -129,14 +129,14 @@ class Settings:
     )  # fmt: skip
     finest: float = share(
         "Finest",
-        "Size of the finest detail to tell apart, relative to the object's size", 0, 0, 50,
+        "Size of the finest detail to tell apart", 0, 0, 50, is_size=True,
         soft_least=0.01, digits=2, switch=SCALES,
         own=lambda asked: math.sqrt(asked.own_scales()[0]), applies=WITH_BANDS, place="scales"
     )  # fmt: skip
     largest: float = share(
         "Largest",
-        "Size of the largest features that bands hold, relative to the object's size. What is "
-        "larger stays in the low-pass", 0, 0, 100, soft_least=0.02, digits=2, switch=SCALES,
+        "Size of the largest features that bands hold. What is larger stays in the low-pass",
+        0, 0, 100, is_size=True, soft_least=0.02, digits=2, switch=SCALES,
         own=lambda asked: math.sqrt(asked.own_scales()[1]), applies=WITH_BANDS, place="scales"
     )  # fmt: skip
     base: str = choice(
@@ -146,7 +146,7 @@ class Settings:
     )  # fmt: skip
     base_amount: float = share(
         "Smoothing",
-        "Size of the features that vanish from the base, relative to the object's size", 0, 0, 50,
+        "Size of the features that vanish from the base", 0, 0, 50, is_size=True,
         soft_least=0.1, digits=1,
         switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
         own=lambda asked: math.sqrt(spectral_tv.default_base_time(asked.own_base())),
@@ -172,9 +172,9 @@ class Settings:
     shape: str = choice("Shape", "Which shape is decomposed", SHAPES, place="shape")
     weld: float = number(
         "Join Within",
-        "Corners of open edges this near to one another, and to other open edges, are one, "
-        "relative to the object's size. 0 joins those at exactly the same place", WELD, 0, 10,
-        soft_most=0.1, unit="PERCENTAGE", digits=4, place="shape"
+        "Corners of open edges this near to one another, and to other open edges, are one. 0 joins "
+        "those at exactly the same place", WELD, 0, 10, is_size=True, soft_most=0.1,
+        unit="PERCENTAGE", digits=4, place="shape"
     )  # fmt: skip
     into: str = choice("Former Bands", INTO_TEXT, INTO, argument="")
     leaves_out: bool = switch(
