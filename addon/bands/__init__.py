@@ -20,6 +20,7 @@ from . import (
     mask_operators,
     multires_panel,
     paint_mask,
+    pick_size,
     properties,
     remarks,
     sculpt_undo,
@@ -35,6 +36,7 @@ from . import (
 FILES = (
     properties,
     decompose,
+    pick_size,
     limbs,
     set_bands,
     count,
@@ -66,4 +68,5 @@ FORGET = (
     live_guard.forget,
     sculpt_undo.forget,
     remarks.forget,
+    pick_size.end,
 )

@@ -6,6 +6,7 @@ import bpy
 
 from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
+from ..drawing.sizes import written
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
 from . import (
@@ -59,7 +60,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             text = "Vertices or faces changed since. Decompose the mesh again"
             say(layout, context, text, "ERROR")
             return
-        self._draw_spectrum(layout, record, context.scene.unit_settings)
+        self._draw_spectrum(layout, record)
         # Above the sliders, so that it stays under the mouse whatever their number is.
         row = layout.row()
         row.enabled = operators.cut_refusal(obj) is None
@@ -107,29 +108,24 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             say(layout, context, f"{', '.join(sculpted)} {verb}", "INFO")
 
     @staticmethod
-    def _draw_spectrum(
-        layout: bpy.types.UILayout, record: SpectralTVRecord, units: bpy.types.UnitSettings
-    ) -> None:
+    def _draw_spectrum(layout: bpy.types.UILayout, record: SpectralTVRecord) -> None:
         if not shows_research():
             ends = record.kept_spectrum[0, 0], record.bands[-1].end
-            layout.label(
-                text=" to ".join(_length(end, units) for end in ends), icon="ARROW_LEFTRIGHT"
-            )
+            layout.label(text=" to ".join(_length(end) for end in ends), icon="ARROW_LEFTRIGHT")
             return
         row = layout.split(factor=0.66)
         row.template_icon(spectrum.icon(record), scale=7.6)
         column = row.column(align=True)
         column.label(text="Finest")
-        column.label(text=_length(record.kept_spectrum[0, 0], units))
+        column.label(text=_length(record.kept_spectrum[0, 0]))
         column.separator(factor=3.5)
         column.label(text="Largest")
-        column.label(text=_length(record.bands[-1].end, units))
+        column.label(text=_length(record.bands[-1].end))
 
 
-def _length(time: float, units: bpy.types.UnitSettings) -> str:
+def _length(time: float) -> str:
     """The size of the features that vanish at a time, in the units of the scene."""
-    length = math.sqrt(time) * units.scale_length
-    return bpy.utils.units.to_string(units.system, "LENGTH", length, precision=2)
+    return written(math.sqrt(time))
 
 
 class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):

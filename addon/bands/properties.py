@@ -15,6 +15,8 @@ from .settings import Settings
 DecompositionChoices = choices_of(Settings, "method shape")
 
 
+# What picks a size in the view.
+PICKER = "spectral_tv.pick_size"
 # What follows when the user has changed options in the sidebar: it is called with their names.
 CHANGED: list[Callable[..., None]] = []
 
@@ -25,7 +27,7 @@ def _changed(choices: "SpectralTVScene", *names: str) -> None:
 
 
 class SpectralTVScene(
-    sidebar_of(Settings, _changed, size_of_active), bpy.types.PropertyGroup
+    sidebar_of(Settings, _changed, size_of_active, PICKER), bpy.types.PropertyGroup
 ):  # fmt: skip
     """How the active object is decomposed."""
 

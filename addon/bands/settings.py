@@ -266,9 +266,14 @@ class Settings:
 
     def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
         """The times of the finest and of the largest scale, length²."""
+        finest, largest = self.relative_scales()
+        return mesh.area * finest, mesh.area * largest
+
+    def relative_scales(self) -> tuple[float, float]:
+        """The same relative to the area."""
         pairs = zip((self.finest, self.largest), self.own_scales(), strict=True)
         # A feature of the size l vanishes at a time of the order of l squared.
-        finest, largest = (mesh.area * (size**2 or own) for size, own in pairs)
+        finest, largest = (size**2 or own for size, own in pairs)
         return finest, largest
 
     def own_scales(self) -> tuple[float, float]:

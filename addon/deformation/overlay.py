@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..drawing.pointing import redraw_views
 from ..scene import listening
 from .constraints import deformation_of
 from .held import Held, Layer, Picked
@@ -63,8 +64,8 @@ def forget() -> None:
     _picked.clear()
     _moved.clear()
     listening.ignore(_handlers())
-    if bpy.app.timers.is_registered(redraw):
-        bpy.app.timers.unregister(redraw)
+    if bpy.app.timers.is_registered(redraw_views):
+        bpy.app.timers.unregister(redraw_views)
 
 
 def pick(obj: bpy.types.Object, picked: Picked | None) -> None:
@@ -72,15 +73,7 @@ def pick(obj: bpy.types.Object, picked: Picked | None) -> None:
     _picked.clear()
     if picked is not None:
         _picked[obj.session_uid] = picked
-    redraw()
-
-
-def redraw() -> None:
-    """Have all 3D views drawn anew."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw_views()
 
 
 def drawn(
@@ -159,8 +152,8 @@ def _draw_over(
     theme = context.preferences.themes[0]
     chosen = tuple(theme.user_interface.axis_z), tuple(theme.view_3d.object_active)
     layer = known.held.layer(obj, graph, _picked.get(obj.session_uid))
-    if known.held.wait is not None and not bpy.app.timers.is_registered(redraw):
-        bpy.app.timers.register(redraw, first_interval=known.held.wait)
+    if known.held.wait is not None and not bpy.app.timers.is_registered(redraw_views):
+        bpy.app.timers.register(redraw_views, first_interval=known.held.wait)
     if not len(layer.corners):
         known.layer = known.batch = None
         return

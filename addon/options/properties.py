@@ -35,6 +35,9 @@ class Choices:
     # The places of the options that are laid out, a column for each text.
     columns: ClassVar[tuple[str, ...]]
 
+    # The operator that picks a size by pointing at something, if there is one.
+    picker: ClassVar[str] = ""
+
     @staticmethod
     def object_size() -> float | None:
         """What sizes are relative to, where they are chosen as lengths."""
@@ -75,12 +78,13 @@ def sidebar_of(
     kind: type,
     changed: Callable[..., None],
     size: Callable[[], float | None] = lambda: None,
+    picker: str = "",
 ) -> type[Choices]:
     """The same for the sidebar: with ``shown_…``, what a share that is 0 stands for.
 
     ``changed`` is called with what is chosen, and the names of the options that were just changed.
     ``size`` gives the length that sizes are relative to, None if there is none; ``length_…`` are
-    sizes as lengths.
+    sizes as lengths. ``picker`` is the operator that picks the size of an ``option``.
     """
     options = options_of(kind).items()
     shared = [(name, each) for name, each in options if each.own and each.kind == "share"]
@@ -89,7 +93,7 @@ def sidebar_of(
     lengths = {f"length_{name}": _length(name, option, size) for name, option in sizes}
     watched = dict(_declared(kind, changed))
     made = choices_of(kind, **watched, **shown, **lengths)
-    made.object_size = staticmethod(size)
+    made.object_size, made.picker = staticmethod(size), picker
     return made
 
 

@@ -63,13 +63,22 @@ def _share(column: bpy.types.UILayout, choices: Any, options: dict[str, Option],
     switch = options[name].switch[0]
     shown = _shown(choices, name, options[name], f"shown_{name}")
     if sum(each.switch[0] == switch for each in options.values()) > 1:
-        column.prop(choices, shown)
+        row = column.row(align=True)
+        row.prop(choices, shown)
+        _picker(row, choices, name, options[name])
         return
     row = column.row(heading=options[name].label)
     row.prop(choices, switch, text="")
-    field = row.row()
+    field = row.row(align=True)
     field.enabled = getattr(choices, switch)
     field.prop(choices, shown, text="")
+    _picker(field, choices, name, options[name])
+
+
+def _picker(row: bpy.types.UILayout, choices: Any, name: str, option: Option) -> None:
+    """The button that picks a size in the view."""
+    if option.is_size and choices.picker:
+        row.operator(choices.picker, text="", icon="EYEDROPPER").option = name
 
 
 def _search(column: bpy.types.UILayout, choices: Any, name: str, option: Option, obj: Any) -> None:

@@ -149,6 +149,7 @@ CASES = {
     "measure_thickness": (lambda: ball("Ball"), {}),
     "own_mask": (lambda: masked() or bpy.ops.spectral_tv.choose_mask(group="Cap"), {}),
     "paint_mask": (banded, {}),
+    "pick_size": (lambda: ball("Ball"), {"option": "largest", "size": 0.4}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
     "recipe": (lambda: ball("Ball"), {"recipe": "Caricature"}),
     "remove_decomposition": (twice, {"name": "Shape Detail"}),
