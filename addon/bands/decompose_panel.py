@@ -11,6 +11,7 @@ from ..scene.objects import is_mesh, refusal, selected_meshes
 from ..scene.records import record_of
 from .decompose import SPECTRAL_TV_OT_decompose
 from .replacing import replaced, replaced_bands, why_not
+from .settings import INTO
 from .shapes import remarks, vertex_count
 
 
@@ -60,9 +61,10 @@ def draw_into(
     active = record_of(obj)
     if active is None:
         return
-    row = layout.row()
+    row = layout.row(align=True)
     row.use_property_split = False
-    row.prop(choices, "into", expand=True)
+    for value, *_ in INTO:
+        row.prop_enum(choices, "into", value)
     record = replaced(obj, settings)
     if record is not None:
         say(layout, context, f"Replaces {record.name}; look kept", "INFO")

@@ -31,6 +31,11 @@ INTO = (
      "Of another method they are added"),
     ("ADD", "Add", "The new bands are a decomposition of their own, of the shape that is shown"),
 )  # fmt: skip
+INTO_ANY = (
+    *INTO,
+    ("REPLACE_ANY", "Replace Any",
+     "The new bands take the place of the active ones, of whatever method these are"),
+)  # fmt: skip
 # With icons and numbers, as files keep the numbers of old.
 BASES = (
     ("LIMBS", "Limbs Kept", "The object itself, smoothed, but with limbs as thick as they are",
@@ -176,7 +181,7 @@ class Settings:
         "those at exactly the same place", WELD, 0, 10, is_size=True, soft_most=0.1,
         unit="PERCENTAGE", digits=4, place="shape"
     )  # fmt: skip
-    into: str = choice("Former Bands", INTO_TEXT, INTO, argument="")
+    into: str = choice("Former Bands", INTO_TEXT, INTO_ANY, argument="")
     leaves_out: bool = switch(
         "Leave Out Broken Faces",
         "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",

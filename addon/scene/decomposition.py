@@ -67,6 +67,9 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     scale: FloatProperty(
         name="Scale", description="Of the object in world space then; 0 if that is not known"
     )
+    is_part: BoolProperty(
+        name="Part", description="Its object was decomposed together with others, as one surface"
+    )
     topology: StringProperty(name="Topology", description="Digest of the polygons")
     vertex_count: IntProperty(name="Vertices")
     corner_count: IntProperty(name="Face Corners")
