@@ -3,6 +3,7 @@
 from . import (
     apply_look,
     apply_modifier,
+    at_once,
     bake_safe,
     bands,
     bands_panel,
@@ -28,6 +29,7 @@ from . import (
     sliders,
     spectrum,
     take_bands,
+    take_settings,
     verb,
     work_object,
     write_back,
@@ -37,6 +39,7 @@ FILES = (
     properties,
     decompose,
     pick_size,
+    take_settings,
     limbs,
     set_bands,
     count,
@@ -60,9 +63,10 @@ FILES = (
     caricature,
 )
 VERBS = (verb.Decompose,)
-START = LOADED = (sculpt_undo.start, curve_watch.start)
-WITHDRAW = (sculpt_undo.stop, curve_watch.stop)
+START = LOADED = (sculpt_undo.start, curve_watch.start, at_once.start)
+WITHDRAW = (sculpt_undo.stop, curve_watch.stop, at_once.stop)
 FORGET = (
+    at_once.forget,
     bands.flows.clear,
     spectrum.forget,
     live_guard.forget,

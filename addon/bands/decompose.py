@@ -22,8 +22,8 @@ from .properties import DecompositionChoices
 from .replacing import check_replaced, replaced_identifiers
 from .settings import ON_NEW_OBJECT, Settings
 
-# What follows when bands were written. Each is called with the settings.
-WRITTEN: list[Callable[[Settings], None]] = []
+# What follows when bands were written. Each is called with the object and the settings.
+WRITTEN: list[Callable[[bpy.types.Object, Settings], None]] = []
 
 
 @dataclass(frozen=True)
@@ -82,5 +82,5 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
             as_one = f", in {len(objects)} objects as one" if len(objects) > 1 else ""
             done = add_bands(parts, self.settings()) + as_one
         for follow in WRITTEN:
-            follow(self.settings())
+            follow(objects[0], self.settings())
         return done

@@ -1,6 +1,7 @@
 """The choices in the sidebar that are about bands, kept with the scene."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
@@ -21,8 +22,21 @@ PICKER = "spectral_tv.pick_size"
 CHANGED: list[Callable[..., None]] = []
 
 
+_quiet: list[None] = []
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Change options, and nothing follows."""
+    _quiet.append(None)
+    try:
+        yield
+    finally:
+        _quiet.pop()
+
+
 def _changed(choices: "SpectralTVScene", *names: str) -> None:
-    for follow in CHANGED:
+    for follow in CHANGED if not _quiet else ():
         follow(choices.id_data, *names)
 
 

@@ -160,6 +160,7 @@ CASES = {
     "split_segments": (segmented, {}),
     "switch_decomposition": (twice, {"name": "Shape Detail"}),
     "take_bands": (pair, {"first": 1, "last": 2}),
+    "take_settings": (banded, {}),
     "test_eigenset": (lambda: ball("Ball"), {"group": "Cap"}),
     "widen_sliders": (banded, {}),
     "work_object": (sculpted, {}),

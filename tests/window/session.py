@@ -198,4 +198,5 @@ def is_running() -> bool:
 bpy.context.preferences.view.show_splash = False
 addon = bpy.context.preferences.addons["bl_ext.user_default.spectral_tv"]
 addon.preferences.research_tools = True
-run(session())
+if __name__ == "__main__":
+    run(session())

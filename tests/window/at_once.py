@@ -1,0 +1,144 @@
+"""Settings that the object follows at once, sizes that are pointed at, and fields without buttons."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+from pictures import away, new_monkey, settings
+from screen import (
+    Steps,
+    centre,
+    click,
+    drag,
+    find,
+    key,
+    move,
+    picture,
+    region,
+    until,
+    xdotool,
+)
+
+FEW, MORE, COUNT = 12, 16, 7
+# Where in the sidebar fields are, and the small buttons behind them.
+FIELD, SWITCH = 0.7, 0.84
+
+
+def at_once() -> Steps[None]:
+    """The switch, a field of it, and undo; then a size by the eyedropper, bands, and the curve."""
+    new_monkey()
+    yield from away()
+    bpy.ops.ed.undo_push(message="Monkey")
+    yield from click(*(yield from find("spectral_tv.at_once", column=SWITCH)))
+    yield from until(lambda: record() is not None, "the bands of At Once")
+    yield from ends(lambda: steps() == MORE)
+    yield from picture("at_once")
+    yield from one_step_takes_a_change_back()
+    yield from another_method()
+    yield from a_size_from_the_view()
+    yield from another_number_of_bands()
+    settings().property_unset("at_once")
+    settings().property_unset("method")
+    settings().property_unset("use_scales")
+    settings().property_unset("largest")
+
+
+def one_step_takes_a_change_back() -> Steps[None]:
+    yield from write(*(yield from find("spectral_tv.steps", FIELD)), str(FEW))
+    yield from until(lambda: steps() == FEW, "bands of other steps")
+    yield from ends(lambda: settings().steps == FEW)
+    yield from away()
+    yield from key("ctrl+z")
+    yield from until(lambda: (steps(), settings().steps) == (MORE, MORE), "undo of both")
+    yield 0.5
+    assert record() is not None and settings().at_once
+    yield from key("ctrl+shift+z")
+    yield from until(lambda: (steps(), settings().steps) == (FEW, FEW), "redo of both")
+    yield from key("ctrl+z")
+    yield from until(lambda: (steps(), settings().steps) == (MORE, MORE), "undo of both")
+    yield from key("ctrl+z")
+    yield from until(lambda: record() is None and not settings().at_once, "undo of the switch")
+    yield from key("ctrl+shift+z")
+    yield from until(lambda: record() is not None and settings().at_once, "redo of the switch")
+
+
+def another_method() -> Steps[None]:
+    """Through the menu, by its key; the gains go over, and no decomposition is added."""
+    keys()[3].value = 0.5
+    yield from click(*(yield from find("spectral_tv.method", FIELD)))
+    yield 0.3
+    yield from picture("at_once_methods")
+    yield from key("l")  # as it is underlined in Limbs and Head
+    yield from until(lambda: record().method != "M1", "bands of another method")
+    yield from ends(lambda: record().method == settings().method)
+    assert len(obj().data.spectral_tv.decompositions) == 1
+    assert any(band.value for band in keys())
+
+
+def a_size_from_the_view() -> Steps[None]:
+    """The eyedropper beside Largest: a drag on the object; Esc leaves it as it is."""
+    settings().use_scales = True
+    yield from away()
+    pick = 'pick_size(option="largest"'
+    yield from click(*(yield from find(pick, column=SWITCH)))
+    x, y = centre(region("WINDOW"))
+    yield from move(x, y)
+    yield from picture("pick_size")
+    yield from key("Escape")
+    assert settings().largest == 0
+    yield from click(*(yield from find(pick, column=SWITCH)))
+    yield from drag(x, y, 60)
+    yield from until(lambda: settings().largest > 0, "the size")
+    largest = settings().largest
+    yield from until(lambda: abs(made()["largest"] - largest / 100) < 1e-6, "bands of that size")
+    yield from away()
+    yield from picture("at_once_scales")
+
+
+def another_number_of_bands() -> Steps[None]:
+    identifier = record().identifier
+    yield from write(*(yield from find("spectral_tv_count.bands", FIELD)), str(COUNT))
+    yield from until(lambda: len(keys()) == COUNT, "another number of bands")
+    assert record().identifier == identifier, "it flowed again"
+    yield from away()
+    yield from picture("at_once_bands")
+    yield from key("ctrl+z")
+    yield from until(lambda: len(keys()) != COUNT, "undo of the number of bands")
+
+
+def write(x: int, y: int, text: str) -> Steps[None]:
+    """Type into a field."""
+    yield from move(x, y)
+    xdotool("click", "--repeat", 2, "--delay", 60, 1)
+    yield 0.3
+    yield from key("ctrl+a")
+    xdotool("type", text)
+    yield 0.2
+    yield from key("Return")
+
+
+def ends(is_so) -> Steps[None]:
+    yield from until(lambda: not bpy.ops.spectral_tv.cancel.poll() and is_so(), "the job to end")
+
+
+def obj() -> bpy.types.Object:
+    return bpy.data.objects["Suzanne"]
+
+
+def record():
+    found = obj().data.spectral_tv.decompositions
+    return found[0] if found else None
+
+
+def made() -> dict:
+    """What the bands were made by."""
+    return {} if record() is None else json.loads(record().settings)
+
+
+def steps() -> int:
+    return made().get("steps", 0)
+
+
+def keys() -> list[bpy.types.ShapeKey]:
+    return list(obj().data.shape_keys.key_blocks)[1:]
