@@ -61,6 +61,8 @@ class SPECTRAL_TV_OT_pick_size(ChangeOperator, bpy.types.Operator):
         reason = refusal(obj)
         if reason is None and size_of(obj) is None:
             reason = "The mesh has no area"
+        if reason is None and context.scene.spectral_tv.object_size() is None:
+            reason = "The shape is of a new object, whose size is not known"
         if reason is None and not obj.visible_get():
             reason = "The object is hidden; show it first"
         return reason

@@ -11,7 +11,7 @@ from ..options.properties import choices_of, property_of, sidebar_of
 from ..scene.records import record_of
 from .filtering import FilterSettings, SidebarFilter
 from .gains import usual_band
-from .settings import Settings
+from .settings import ON_NEW_OBJECT, Settings
 
 DecompositionChoices = choices_of(Settings, "method shape")
 
@@ -40,8 +40,13 @@ def _changed(choices: "SpectralTVScene", *names: str) -> None:
         follow(choices.id_data, *names)
 
 
+def _size(choices: "SpectralTVScene") -> float | None:
+    """That of the active object, unless another one will be made of it."""
+    return None if choices.shape in ON_NEW_OBJECT else size_of_active()
+
+
 class SpectralTVScene(
-    sidebar_of(Settings, _changed, size_of_active, PICKER), bpy.types.PropertyGroup
+    sidebar_of(Settings, _changed, _size, PICKER), bpy.types.PropertyGroup
 ):  # fmt: skip
     """How the active object is decomposed."""
 

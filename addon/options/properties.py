@@ -38,9 +38,8 @@ class Choices:
     # The operator that picks a size by pointing at something, if there is one.
     picker: ClassVar[str] = ""
 
-    @staticmethod
-    def object_size() -> float | None:
-        """What sizes are relative to, where they are chosen as lengths."""
+    def object_size(self) -> float | None:
+        """The length that sizes are relative to, where they are chosen as lengths."""
         return None
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -77,14 +76,15 @@ def choices_of(kind: type, *columns: str, **more: Any) -> type[Choices]:
 def sidebar_of(
     kind: type,
     changed: Callable[..., None],
-    size: Callable[[], float | None] = lambda: None,
+    size: Callable[[Any], float | None],
     picker: str = "",
 ) -> type[Choices]:
     """The same for the sidebar: with ``shown_…``, what a share that is 0 stands for.
 
     ``changed`` is called with what is chosen, and the names of the options that were just changed.
-    ``size`` gives the length that sizes are relative to, None if there is none; ``length_…`` are
-    sizes as lengths. ``picker`` is the operator that picks the size of an ``option``.
+    ``size`` is given what is chosen, and gives the length that sizes are relative to, None if there
+    is none; ``length_…`` are sizes as lengths. ``picker`` is the operator that picks the size of an
+    ``option``.
     """
     options = options_of(kind).items()
     shared = [(name, each) for name, each in options if each.own and each.kind == "share"]
@@ -93,7 +93,7 @@ def sidebar_of(
     lengths = {f"length_{name}": _length(name, option, size) for name, option in sizes}
     watched = dict(_declared(kind, changed))
     made = choices_of(kind, **watched, **shown, **lengths)
-    made.object_size, made.picker = staticmethod(size), picker
+    made.object_size, made.picker = size, picker
     return made
 
 
@@ -178,15 +178,15 @@ def _shown(name: str, option: Option) -> Any:
     )
 
 
-def _length(name: str, option: Option, size: Callable[[], float | None]) -> Any:
+def _length(name: str, option: Option, size: Callable[[Any], float | None]) -> Any:
     """A property that shows a size as a length, and keeps it relative."""
     kept = f"shown_{name}" if option.own else name
 
     def get(choices: Any) -> float:
-        return getattr(choices, kept) * (size() or 0.0) / PERCENT
+        return getattr(choices, kept) * (size(choices) or 0.0) / PERCENT
 
     def choose(choices: Any, value: float) -> None:
-        whole = size()
+        whole = size(choices)
         if whole:
             setattr(choices, kept, PERCENT * value / whole)
 

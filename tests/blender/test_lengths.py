@@ -89,6 +89,14 @@ def test_a_mesh_is_measured_once_and_again_when_it_was_changed(monkeypatch):
     assert sizes.size_of(obj) == pytest.approx(2 * first, rel=1e-5)
 
 
+def test_a_shape_that_makes_a_new_object_has_no_lengths(choices):
+    ball("Ball")
+    assert choices.object_size() is not None
+    choices.shape = "APPLIED"
+    assert choices.object_size() is None
+    assert not bpy.ops.spectral_tv.pick_size.poll()
+
+
 def test_the_other_half_of_a_mirror_counts():
     obj = ball("Ball")
     alone = sizes.size_of(obj)

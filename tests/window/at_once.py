@@ -1,11 +1,12 @@
-"""Settings that the object follows at once, sizes that are pointed at, and fields without buttons."""
+"""Settings that the object follows at once, sizes that are pointed at, fields without buttons."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 import bpy
-from pictures import away, new_monkey, settings
+from pictures import NEXT_HEADER, away, new_monkey, settings
 from screen import (
     Steps,
     centre,
@@ -23,6 +24,8 @@ from screen import (
 FEW, MORE, COUNT = 12, 16, 7
 # Where in the sidebar fields are, and the small buttons behind them.
 FIELD, SWITCH = 0.7, 0.84
+# From the button below the curve to the lower half of that.
+ABOVE_THE_BUTTON = 90
 
 
 def at_once() -> Steps[None]:
@@ -38,6 +41,7 @@ def at_once() -> Steps[None]:
     yield from another_method()
     yield from a_size_from_the_view()
     yield from another_number_of_bands()
+    yield from a_curve()
     settings().property_unset("at_once")
     settings().property_unset("method")
     settings().property_unset("use_scales")
@@ -78,9 +82,11 @@ def another_method() -> Steps[None]:
 
 def a_size_from_the_view() -> Steps[None]:
     """The eyedropper beside Largest: a drag on the object; Esc leaves it as it is."""
-    settings().use_scales = True
+    x, y = yield from find("spectral_tv.use_scales", column=0.175)
+    yield from click(x, y)
+    yield from click(x + 60, y)
     yield from away()
-    pick = 'pick_size(option="largest"'
+    pick = "pick_size(option='largest'"
     yield from click(*(yield from find(pick, column=SWITCH)))
     x, y = centre(region("WINDOW"))
     yield from move(x, y)
@@ -107,6 +113,31 @@ def another_number_of_bands() -> Steps[None]:
     yield from until(lambda: len(keys()) != COUNT, "undo of the number of bands")
 
 
+def a_curve() -> Steps[None]:
+    """A point that a click with Ctrl pressed adds changes the bands; undo takes both back."""
+    for band in keys():
+        band.value = 0
+    bpy.ops.ed.undo_push(message="Reset")
+    x, y = yield from find("spectral_tv.take_bands", column=0.7)
+    yield from click(x - 60, y - NEXT_HEADER)
+    yield from away()
+    yield from click(*(yield from find("spectral_tv.add_curve")))
+    x, y = yield from find("spectral_tv.apply_curve")
+    xdotool("keydown", "ctrl")
+    yield from click(x, y + ABOVE_THE_BUTTON)
+    xdotool("keyup", "ctrl")
+    yield from until(lambda: any(band.value for band in keys()), "bands that follow the curve")
+    yield from away()
+    yield from picture("at_once_curve")
+    (group,) = [each for each in bpy.data.node_groups if "Filter" in each.nodes]
+    assert len(group.nodes["Filter"].mapping.curves[0].points) == 3
+    yield from key("ctrl+z")
+    yield from until(lambda: not any(band.value for band in keys()), "undo of the bands")
+    (group,) = [each for each in bpy.data.node_groups if "Filter" in each.nodes]
+    assert len(group.nodes["Filter"].mapping.curves[0].points) == 2, "undo left the curve"
+    bpy.data.node_groups.remove(group)
+
+
 def write(x: int, y: int, text: str) -> Steps[None]:
     """Type into a field."""
     yield from move(x, y)
@@ -118,7 +149,7 @@ def write(x: int, y: int, text: str) -> Steps[None]:
     yield from key("Return")
 
 
-def ends(is_so) -> Steps[None]:
+def ends(is_so: Callable[[], bool]) -> Steps[None]:
     yield from until(lambda: not bpy.ops.spectral_tv.cancel.poll() and is_so(), "the job to end")
 
 
@@ -126,12 +157,12 @@ def obj() -> bpy.types.Object:
     return bpy.data.objects["Suzanne"]
 
 
-def record():
+def record() -> bpy.types.PropertyGroup | None:
     found = obj().data.spectral_tv.decompositions
     return found[0] if found else None
 
 
-def made() -> dict:
+def made() -> dict[str, object]:
     """What the bands were made by."""
     return {} if record() is None else json.loads(record().settings)
 

@@ -9,6 +9,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from at_once import at_once
 from deform import deform
 from hold_and_pull import hold_and_pull
 from masks import masks
@@ -54,6 +55,7 @@ def session() -> Steps[None]:
     yield from messages()
     yield from sculpt()
     yield from recipes()
+    yield from at_once()
     yield from quit_while_it_runs()
 
 
@@ -198,5 +200,4 @@ def is_running() -> bool:
 bpy.context.preferences.view.show_splash = False
 addon = bpy.context.preferences.addons["bl_ext.user_default.spectral_tv"]
 addon.preferences.research_tools = True
-if __name__ == "__main__":
-    run(session())
+run(session())
