@@ -67,6 +67,7 @@ START = LOADED = (sculpt_undo.start, curve_watch.start, at_once.start)
 WITHDRAW = (sculpt_undo.stop, curve_watch.stop, at_once.stop)
 FORGET = (
     at_once.forget,
+    curve_watch.forget,
     bands.flows.clear,
     spectrum.forget,
     live_guard.forget,

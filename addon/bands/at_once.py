@@ -5,6 +5,7 @@ beside the window, and Esc cancels it.
 """
 
 import uuid
+from collections.abc import Callable
 
 import bpy
 
@@ -14,6 +15,7 @@ from ..job import jobs
 from ..job.jobs import Running
 from ..options.properties import properties_of
 from ..scene import listening
+from ..scene.objects import refusal
 from ..scene.records import record_of
 from . import decompose, properties, whole_change
 from .at_once_plan import Stage, foreign, options_of_all, plan, waiting
@@ -29,8 +31,9 @@ SWITCH = "at_once"
 class _Now:
     """What is known of the last change."""
 
-    # The mesh and the decomposition whose settings were changed, which of them, and whether the
-    # switch was turned on for it.
+    # The scene, the mesh and the decomposition whose settings were changed, which of them, and
+    # whether the switch was turned on for it.
+    scene = ""
     subject: tuple = ()
     changed: frozenset[str] = frozenset()
     is_new = False
@@ -57,6 +60,7 @@ def take(scene: bpy.types.Scene, *names: str) -> bool:
     whole_change.mark(scene, "", "")
     if not choices.at_once or scene != bpy.context.scene:
         return False
+    _Now.scene = scene.name
     if _subject(obj) != _Now.subject:
         _Now.subject, _Now.changed, _Now.is_new = _subject(obj), frozenset(), False
     if SWITCH in names:
@@ -137,7 +141,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     names = _Now.changed if is_same else frozenset()
     settings, record = choices.settings(), record_of(obj)
     reason = waiting(obj, settings, names, is_same and _Now.is_new)
-    if reason is not None and record is not None:
+    if reason is not None and record is not None and refusal(obj) is None:
         say(layout, context, reason, "INFO")
         if foreign(record, settings, names):
             layout.operator(SPECTRAL_TV_OT_take_settings.bl_idname, icon="COPYDOWN")
@@ -172,20 +176,20 @@ def _begin() -> float | None:
     is_busy = bpy.app.is_job_running("RENDER") or jobs.running() is not None
     if is_busy or any(screen.is_animation_playing for screen in screens):
         return PAUSE
-    with bpy.context.temp_override(**_place()):
-        follow()
+    _in_place(follow)
     return None
 
 
-def _place() -> dict[str, object]:
-    """A window with a 3D view, if there is one."""
-    windows = bpy.context.window_manager.windows
-    for window in windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                region = next(each for each in area.regions if each.type == "WINDOW")
-                return {"window": window, "area": area, "region": region}
-    return {"window": windows[0]} if windows else {}
+def _in_place(work: Callable[[], None]) -> None:
+    """Work in a window with the scene, in its 3D view if it has one; end all without a window."""
+    windows = [each for each in bpy.context.window_manager.windows if each.scene.name == _Now.scene]
+    if not windows:
+        end()
+        return
+    areas = [each for each in windows[0].screen.areas if each.type == "VIEW_3D"]
+    place = {"area": areas[0]} if areas else {}
+    with bpy.context.temp_override(window=windows[0], **place):
+        work()
 
 
 def _next() -> None:
@@ -234,8 +238,7 @@ def _watch() -> float | None:
         _stop("Stopped, as the mode is another one")
     elif _Now.stage is None:  # it was written
         _Now.job = None
-        with bpy.context.temp_override(**_place()):
-            _next()
+        _in_place(_next)
     else:
         _stop("Stopped; change a setting or press the button for it")
     return None

@@ -1,9 +1,11 @@
 """Undo of a change and of the bands that follow it, as one.
 
 Blender makes a step of undo when a setting is changed, and another one when the bands are written.
-Undo and redo go over the steps between. The scene has a mark that tells which they are.
+Undo and redo go over the steps between. The scene has a mark that tells which they are. What
+Blender tells of only after its step, as of a curve, gets a step of its own that has the mark.
 """
 
+import uuid
 from collections.abc import Callable
 from functools import partial
 
@@ -23,6 +25,8 @@ class _Known:
     followed: set[str] = set()
     finished: set[str] = set()
     replaced: set[str] = set()
+    # Of those whose first step has no mark: tells whether that is where undo or redo has led to.
+    trailing: dict[str, Callable[[], bool]] = {}
     before: tuple[str, str] = ("", "")
 
 
@@ -41,6 +45,15 @@ def give_way(change: str) -> None:
         _Known.replaced.add(change)
 
 
+def make_step(scene: bpy.types.Scene, message: str, is_first: Callable[[], bool]) -> None:
+    """Make the step of undo that follows one without a mark; ``is_first`` tells whether the state
+    is that of this one, without what followed."""
+    change = uuid.uuid4().hex
+    mark(scene, change, DONE)
+    _Known.trailing[change] = is_first
+    bpy.ops.ed.undo_push(message=message)
+
+
 def marked(scene: bpy.types.Scene) -> tuple[str, str]:
     """The change and the stage that a scene is marked by."""
     change, _, stage = scene.spectral_tv.change.partition(" ")
@@ -49,7 +62,12 @@ def marked(scene: bpy.types.Scene) -> tuple[str, str]:
 
 def goes_on(before: tuple[str, str], now: tuple[str, str], is_undo: bool) -> bool:
     """Whether undo or redo that led from one mark to the next one goes on."""
-    (_, came_from), (change, stage) = before, now
+    (former, came_from), (change, stage) = before, now
+    trailing = _Known.trailing
+    if not is_undo and any(is_first() for other, is_first in trailing.items() if other != change):
+        return True
+    if is_undo and former != change and former in trailing and trailing[former]():
+        return True
     if before == now or stage not in (MADE, PREVIEWED):
         return False
     if change in _Known.replaced:
@@ -72,7 +90,7 @@ def stop() -> None:
 
 def forget() -> None:
     """Let go of what is known."""
-    for known in (_Known.followed, _Known.finished, _Known.replaced):
+    for known in (_Known.followed, _Known.finished, _Known.replaced, _Known.trailing):
         known.clear()
     for again in (_undo_again, _redo_again):
         if bpy.app.timers.is_registered(again):

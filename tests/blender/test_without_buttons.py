@@ -9,17 +9,19 @@ import pytest
 from ball import ball
 from conftest import MODULE
 
-curve_watch, filter_curve, remarks, count = (
+curve_watch, filter_curve, remarks, count, whole_change = (
     import_module(f"{MODULE}.bands.{name}")
-    for name in ("curve_watch", "filter_curve", "remarks", "count")
+    for name in ("curve_watch", "filter_curve", "remarks", "count", "whole_change")
 )
 
 
 @pytest.fixture
 def obj():
     found = ball("Ball")
-    bpy.ops.spectral_tv.decompose(bands=4, steps=8)
-    return found
+    bpy.ops.spectral_tv.decompose(method="M1", bands=4, steps=8)
+    curve_watch._Watch.seen = None
+    yield found
+    bpy.data.batch_remove([*bpy.data.node_groups])
 
 
 def values(obj) -> list[float]:
@@ -78,6 +80,40 @@ def test_the_curve_sets_the_bands_while_it_is_drawn(obj):
     node.mapping.update()
     curve_watch._follow()
     assert values(obj) == pytest.approx([-0.75, -0.25, 0.25, 0.75], abs=0.02)
+
+
+def test_one_undo_takes_the_curve_and_the_bands_back(obj):
+    """The curve has a step of undo of Blender's, before the bands follow."""
+
+    def draw(height: float) -> None:
+        node = filter_curve.find()
+        node.mapping.curves[0].points[1].location.y = height
+        node.mapping.update()
+        bpy.ops.ed.undo_push(message="Curve")
+        curve_watch._follow()
+        curve_watch.make_step()
+
+    def state() -> tuple[float, ...]:
+        height = filter_curve.find().mapping.curves[0].points[1].location.y
+        return (height, *values(bpy.data.objects["Ball"]))
+
+    curve_watch.look(filter_curve.ensure())
+    bpy.ops.ed.undo_push(message="Before")
+    found = [state()]
+    for height in (2, 0.5):
+        draw(height)
+        found.append(state())
+    assert len({*found}) == 3
+    for expected in found[1::-1]:
+        bpy.ops.ed.undo()
+        while whole_change.step_on(is_undo=True):
+            pass
+        assert state() == expected
+    for expected in found[1:]:
+        bpy.ops.ed.redo()
+        while whole_change.step_on(is_undo=False):
+            pass
+        assert state() == expected
 
 
 def test_what_hinders_the_curve_is_said_in_the_panel(obj):

@@ -22,6 +22,8 @@ from screen import (
 )
 
 FEW, MORE, COUNT = 12, 16, 7
+# Steps that take too long at once, and those of a preview.
+MANY, PREVIEW = 900, 8
 # Where in the sidebar fields are, and the small buttons behind them.
 FIELD, SWITCH = 0.7, 0.84
 # From the button below the curve to the lower half of that.
@@ -38,6 +40,7 @@ def at_once() -> Steps[None]:
     yield from ends(lambda: steps() == MORE)
     yield from picture("at_once")
     yield from one_step_takes_a_change_back()
+    yield from a_preview()
     yield from another_method()
     yield from a_size_from_the_view()
     yield from another_number_of_bands()
@@ -65,6 +68,25 @@ def one_step_takes_a_change_back() -> Steps[None]:
     yield from until(lambda: record() is None and not settings().at_once, "undo of the switch")
     yield from key("ctrl+shift+z")
     yield from until(lambda: record() is not None and settings().at_once, "redo of the switch")
+
+
+def a_preview() -> Steps[None]:
+    """What takes longer has one; Esc leaves it, and the next change begins anew."""
+    yield from write(*(yield from find("spectral_tv.steps", FIELD)), str(MANY))
+    yield from until(lambda: steps() == PREVIEW, "the preview")
+    yield from until(bpy.ops.spectral_tv.cancel.poll, "the whole of it")
+    yield from away()
+    yield from picture("at_once_preview")
+    yield from key("Escape")
+    yield from until(lambda: not bpy.ops.spectral_tv.cancel.poll(), "Esc to end it")
+    yield 1
+    assert not bpy.ops.spectral_tv.cancel.poll() and steps() == PREVIEW
+    yield from picture("at_once_stopped")
+    yield from write(*(yield from find("spectral_tv.steps", FIELD)), str(MANY + 1))
+    yield from until(bpy.ops.spectral_tv.cancel.poll, "the work on another change")
+    yield from write(*(yield from find("spectral_tv.steps", FIELD)), str(FEW))
+    yield from until(lambda: steps() == FEW, "the work on the last change")
+    yield from ends(lambda: steps() == FEW)
 
 
 def another_method() -> Steps[None]:
