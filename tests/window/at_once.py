@@ -28,6 +28,7 @@ MANY, PREVIEW = 900, 8
 FIELD, SWITCH = 0.7, 0.84
 # From the button below the curve to the lower half of that.
 ABOVE_THE_BUTTON = 90
+CURVE = ".Spectral TV Filter"
 
 
 def at_once() -> Steps[None]:
@@ -151,13 +152,19 @@ def a_curve() -> Steps[None]:
     yield from until(lambda: any(band.value for band in keys()), "bands that follow the curve")
     yield from away()
     yield from picture("at_once_curve")
-    (group,) = [each for each in bpy.data.node_groups if "Filter" in each.nodes]
-    assert len(group.nodes["Filter"].mapping.curves[0].points) == 3
+    assert points() == 3
     yield from key("ctrl+z")
-    yield from until(lambda: not any(band.value for band in keys()), "undo of the bands")
-    (group,) = [each for each in bpy.data.node_groups if "Filter" in each.nodes]
-    assert len(group.nodes["Filter"].mapping.curves[0].points) == 2, "undo left the curve"
-    bpy.data.node_groups.remove(group)
+    yield from until(
+        lambda: points() == 2 and not any(band.value for band in keys()), "undo of both"
+    )
+    yield from key("ctrl+shift+z")
+    yield from until(lambda: points() == 3 and any(band.value for band in keys()), "redo of both")
+    bpy.data.node_groups.remove(bpy.data.node_groups[CURVE])
+
+
+def points() -> int:
+    """How many the curve has."""
+    return len(bpy.data.node_groups[CURVE].nodes["Filter"].mapping.curves[0].points)
 
 
 def write(x: int, y: int, text: str) -> Steps[None]:
