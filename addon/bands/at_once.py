@@ -42,6 +42,7 @@ class _Now:
     stages: tuple[Stage, ...] = ()
     stage: Stage | None = None
     job: Running | None = None
+    is_previewed = False
     # What the panel says of it.
     told = ""
 
@@ -90,7 +91,7 @@ def follow() -> None:
     planned = plan(obj, choices.settings(), _Now.changed)
     _Now.stages = planned.stages
     _tell(planned.told)
-    whole_change.mark(scene, _Now.change, UNDER_WAY)
+    _Now.is_previewed = False
     _next()
 
 
@@ -135,7 +136,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         settings = _Now.stage.settings
         if _Now.stage.is_preview:
             say(layout, context, f"At first a preview with {settings.steps} steps", "TIME")
-        elif whole_change.marked(context.scene)[1] == PREVIEWED:
+        elif _Now.is_previewed:
             say(layout, context, "A preview is shown; this makes the whole of it", "TIME")
         return
     names = _Now.changed if is_same else frozenset()
@@ -200,6 +201,8 @@ def _next() -> None:
             return
         _Now.stage, *rest = _Now.stages
         _Now.stages = tuple(rest)
+        # What the user does meanwhile has a step of undo that is no part of the change.
+        whole_change.mark(bpy.context.scene, _Now.change, UNDER_WAY)
         try:
             status = _run(_Now.stage)
         except RuntimeError as error:  # it was reported
@@ -240,7 +243,8 @@ def _watch() -> float | None:
         _Now.job = None
         _in_place(_next)
     else:
-        _stop("Stopped; change a setting or press the button for it")
+        shown = ". A preview is shown" if _Now.is_previewed else ""
+        _stop(f"Stopped{shown}; press the button, or change a setting")
     return None
 
 
@@ -255,6 +259,7 @@ def _written(obj: bpy.types.Object, settings: Settings) -> None:
     _Now.subject = _subject(obj)
     is_last = not _Now.stages
     if stage.is_preview:
+        _Now.is_previewed = True
         _Now.changed |= {"steps", "accuracy"}
     elif is_last:
         _Now.changed, _Now.is_new = frozenset(), False

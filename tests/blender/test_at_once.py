@@ -185,6 +185,32 @@ def test_undo_of_something_else_does_not_go_on(choices):
     assert made(bpy.context.object).steps == 12
 
 
+def test_undo_stops_at_what_was_done_meanwhile(choices):
+    """A step between the change and its bands is one of its own."""
+    ball("Ball")
+    bpy.ops.spectral_tv.decompose("EXEC_DEFAULT", True, method="M1", bands=3, steps=STEPS)
+    choices.steps = 12
+    at_once.take(bpy.context.scene, "steps")
+    bpy.ops.ed.undo_push(message="Change")
+    run = at_once._run
+
+    def moving(stage):
+        bpy.context.object.location.x = 3
+        bpy.ops.ed.undo_push(message="Move")
+        return run(stage)
+
+    at_once._run = moving
+    try:
+        at_once.follow()
+    finally:
+        at_once._run = run
+    assert made(bpy.context.object).steps == 12
+    bpy.ops.ed.undo()
+    assert not whole_change.step_on(is_undo=True)
+    assert made(bpy.context.object).steps == STEPS
+    assert bpy.context.object.location.x == 3
+
+
 def test_a_change_that_a_newer_one_replaced_goes_along(choices):
     ball("Ball")
     bpy.ops.spectral_tv.decompose("EXEC_DEFAULT", True, method="M1", bands=3, steps=STEPS)

@@ -13,6 +13,7 @@ from screen import (
     click,
     drag,
     find,
+    is_there,
     key,
     move,
     picture,
@@ -34,6 +35,7 @@ CURVE = ".Spectral TV Filter"
 def at_once() -> Steps[None]:
     """The switch, a field of it, and undo; then a size by the eyedropper, bands, and the curve."""
     new_monkey()
+    unset()
     yield from away()
     bpy.ops.ed.undo_push(message="Monkey")
     yield from click(*(yield from find("spectral_tv.at_once", column=SWITCH)))
@@ -46,10 +48,13 @@ def at_once() -> Steps[None]:
     yield from a_size_from_the_view()
     yield from another_number_of_bands()
     yield from a_curve()
-    settings().property_unset("at_once")
-    settings().property_unset("method")
-    settings().property_unset("use_scales")
-    settings().property_unset("largest")
+    unset()
+
+
+def unset() -> None:
+    """Have the settings of old."""
+    for name in ("at_once", "method", "use_scales", "finest", "largest"):
+        settings().property_unset(name)
 
 
 def one_step_takes_a_change_back() -> Steps[None]:
@@ -105,11 +110,12 @@ def another_method() -> Steps[None]:
 
 def a_size_from_the_view() -> Steps[None]:
     """The eyedropper beside Largest: a drag on the object; Esc leaves it as it is."""
-    x, y = yield from find("spectral_tv.use_scales", column=0.175)
-    yield from click(x, y)
-    yield from click(x + 60, y)
-    yield from away()
+    settings().use_scales = True
     pick = "pick_size(option='largest'"
+    if not (yield from is_there(pick, column=SWITCH)):  # the panel is closed
+        x, y = yield from find("spectral_tv.use_scales", column=0.175)
+        yield from click(x + 60, y)
+    yield from away()
     yield from click(*(yield from find(pick, column=SWITCH)))
     x, y = centre(region("WINDOW"))
     yield from move(x, y)
@@ -141,8 +147,11 @@ def a_curve() -> Steps[None]:
     for band in keys():
         band.value = 0
     bpy.ops.ed.undo_push(message="Reset")
-    x, y = yield from find("spectral_tv.take_bands", column=0.7)
-    yield from click(x - 60, y - NEXT_HEADER)
+    if CURVE in bpy.data.node_groups:
+        bpy.data.node_groups.remove(bpy.data.node_groups[CURVE])
+    if not (yield from is_there("spectral_tv.add_curve")):  # the panel is closed
+        x, y = yield from find("spectral_tv.take_bands", column=0.7)
+        yield from click(x - 60, y - NEXT_HEADER)
     yield from away()
     yield from click(*(yield from find("spectral_tv.add_curve")))
     x, y = yield from find("spectral_tv.apply_curve")
