@@ -185,7 +185,7 @@ def test_undo_of_something_else_does_not_go_on(choices):
     assert made(bpy.context.object).steps == 12
 
 
-def test_undo_stops_at_what_was_done_meanwhile(choices):
+def test_undo_stops_at_what_was_done_meanwhile(choices, monkeypatch):
     """A step between the change and its bands is one of its own."""
     ball("Ball")
     bpy.ops.spectral_tv.decompose("EXEC_DEFAULT", True, method="M1", bands=3, steps=STEPS)
@@ -199,11 +199,8 @@ def test_undo_stops_at_what_was_done_meanwhile(choices):
         bpy.ops.ed.undo_push(message="Move")
         return run(stage)
 
-    at_once._run = moving
-    try:
-        at_once.follow()
-    finally:
-        at_once._run = run
+    monkeypatch.setattr(at_once, "_run", moving)
+    at_once.follow()
     assert made(bpy.context.object).steps == 12
     bpy.ops.ed.undo()
     assert not whole_change.step_on(is_undo=True)
