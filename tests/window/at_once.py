@@ -177,14 +177,10 @@ def points() -> int:
 
 
 def write(x: int, y: int, text: str) -> Steps[None]:
-    """Type into a field."""
+    """Paste into a field."""
     yield from move(x, y)
-    xdotool("click", "--repeat", 2, "--delay", 60, 1)
-    yield 0.3
-    yield from key("ctrl+a")
-    xdotool("type", text)
-    yield 0.2
-    yield from key("Return")
+    bpy.context.window_manager.clipboard = text
+    yield from key("ctrl+v")
 
 
 def ends(is_so: Callable[[], bool]) -> Steps[None]:
