@@ -8,6 +8,7 @@ import uuid
 from collections.abc import Callable
 
 import bpy
+from spectral_tv.bands.settings import Settings
 
 from ..drawing.pointing import redraw_views
 from ..drawing.sidebar import say
@@ -19,7 +20,6 @@ from ..scene.objects import refusal
 from ..scene.records import record_of
 from . import decompose, properties, whole_change
 from .at_once_plan import Stage, foreign, options_of_all, plan, waiting
-from .settings import Settings
 from .take_settings import SPECTRAL_TV_OT_take_settings
 from .whole_change import DONE, MADE, PREVIEWED, UNDER_WAY
 

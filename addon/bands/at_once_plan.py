@@ -5,15 +5,15 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import bpy
+from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
+from spectral_tv.options.declaring import is_replaced, options_of
+from spectral_tv.options.estimates import Needs
 
-from ..job.estimates import Needs
-from ..options.declaring import is_replaced, options_of
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.objects import refusal
 from ..scene.records import record_of, topology_changed
 from .bands import parts_of, settings_of
 from .set_bands import cut_refusal
-from .settings import ON_NEW_OBJECT, Settings
 
 # Estimated seconds up to which work is done without a preview, and up to which it is begun at all.
 PROMPT, LONGEST = 2.0, 60.0

@@ -4,16 +4,16 @@ import sys
 
 import bpy
 from bpy.props import IntProperty
+from spectral_tv.bands.settings import Settings
+from spectral_tv.options.declaring import options_of
 
 from ..job.operator import REFUSALS
-from ..options.declaring import options_of
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.objects import user_of
 from ..scene.records import record_of, renew_bands
 from . import remarks
 from .adding import cut_again
 from .set_bands import cut_refusal
-from .settings import Settings
 
 OPTION = options_of(Settings)["bands"]
 

@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 import spectral_tv
 from bpy.props import BoolProperty
+from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
@@ -20,7 +21,6 @@ from .adding import Part, add_bands
 from .bands import parts_of, prepare_together, recall, start_split
 from .properties import DecompositionChoices
 from .replacing import check_replaced, replaced_identifiers
-from .settings import ON_NEW_OBJECT, Settings
 
 # What follows when bands were written. Each is called with the object and the settings.
 WRITTEN: list[Callable[[bpy.types.Object, Settings], None]] = []

@@ -1,6 +1,7 @@
 """The panel that splits the active mesh, with its sub-panels."""
 
 import bpy
+from spectral_tv.bands.settings import INTO
 
 from ..drawing.sidebar import Sidebar, say
 from ..drawing.work import TALL, WorkPanel, draw_button, draw_fault, draw_needs
@@ -12,7 +13,6 @@ from ..scene.records import record_of
 from . import at_once
 from .decompose import SPECTRAL_TV_OT_decompose
 from .replacing import replaced, replaced_bands, why_not
-from .settings import INTO
 from .shapes import remarks, vertex_count
 
 

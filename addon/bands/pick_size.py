@@ -5,6 +5,9 @@ import math
 import bpy
 from bpy.props import EnumProperty, FloatProperty
 from mathutils import Vector
+from spectral_tv.bands.settings import Settings
+from spectral_tv.notes import note
+from spectral_tv.options.declaring import options_of
 
 from ..drawing.pointing import (
     PASSED_ON,
@@ -20,11 +23,8 @@ from ..drawing.pointing import (
 from ..drawing.ring import Ring
 from ..drawing.sizes import size_of, written
 from ..job.operator import ChangeOperator
-from ..options.declaring import options_of
-from ..scene.notes import note
 from ..scene.objects import Refusal, refusal
 from .properties import PICKER
-from .settings import Settings
 
 OPTIONS = {
     name: option

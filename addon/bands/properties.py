@@ -5,13 +5,13 @@ from contextlib import contextmanager
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
+from spectral_tv.bands.gains import usual_band
+from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
 
 from ..drawing.sizes import size_of_active
 from ..options.properties import choices_of, property_of, sidebar_of
 from ..scene.records import record_of
 from .filtering import FilterSettings, SidebarFilter
-from .gains import usual_band
-from .settings import ON_NEW_OBJECT, Settings
 
 DecompositionChoices = choices_of(Settings, "method shape")
 

@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import bpy
+from spectral_tv.notes import gathered
 
 from ..drawing.sidebar import say
-from ..scene.notes import gathered
 
 # By the mesh and what was changed: what it became, and what is to be told of it.
 _told: dict[tuple[int, str], tuple[Any, list[str]]] = {}

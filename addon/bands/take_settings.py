@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 import bpy
+from spectral_tv.bands.settings import Settings
 
 from ..job.operator import ChangeOperator
 from ..scene.objects import is_mesh
 from ..scene.records import record_of
 from .bands import settings_of
 from .properties import quietly
-from .settings import Settings
 
 
 class SPECTRAL_TV_OT_take_settings(ChangeOperator, bpy.types.Operator):

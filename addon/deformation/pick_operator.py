@@ -5,10 +5,10 @@ import math
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty
 from mathutils import Vector
+from spectral_tv.notes import gathered, note
 
 from ..drawing.pointing import PASSED_ON, View, on_ray, pixel, ray, tell_next, view_under
 from ..job.operator import REFUSALS, ChangeOperator
-from ..scene.notes import gathered, note
 from ..scene.objects import Refusal, refusal
 from . import constraints, overlay
 from .deform_operator import SPECTRAL_TV_OT_deform

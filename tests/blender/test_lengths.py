@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from ball import ball, object_of
 from conftest import MODULE
+from spectral_tv.bands.settings import Settings
 
 sizes = import_module(f"{MODULE}.drawing.sizes")
-Settings = import_module(f"{MODULE}.bands.settings").Settings
 NAMES = ("finest", "largest", "base_amount", "weld")
 
 

@@ -9,9 +9,9 @@ import pytest
 from ball import ball
 from conftest import MODULE
 from mathutils import Vector
+from spectral_tv.bands.settings import Settings
 
 sizes, ring = (import_module(f"{MODULE}.drawing.{name}") for name in ("sizes", "ring"))
-Settings = import_module(f"{MODULE}.bands.settings").Settings
 
 
 @pytest.fixture
