@@ -42,7 +42,7 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
         bands = all_bands_of(obj)
-        _note_animated(obj, bands)
+        note_unsettled(obj, bands, "applied as they are on this frame")
         # What the bands of all decompositions do now, masks and mutes included.
         parts = [part.displacement(obj) for part in mix.parts(obj) if part.key in bands]
         if not parts:
@@ -71,19 +71,26 @@ def look_refusal(obj: bpy.types.Object | None) -> str | None:
         return reason
     if obj.mode != "OBJECT":
         return "Go to Object Mode first"
-    if obj.show_only_shape_key:
-        setting = obj.bl_rna.properties["show_only_shape_key"].name
-        return f"{setting} shows one shape key alone; turn it off first"
-    return None
+    return pinned_refusal(obj)
 
 
-def _note_animated(obj: bpy.types.Object, bands: list[Band]) -> None:
+def pinned_refusal(obj: bpy.types.Object) -> str | None:
+    """Why the mix of the bands is not what is shown; None if it is."""
+    if not obj.show_only_shape_key:
+        return None
+    setting = obj.bl_rna.properties["show_only_shape_key"].name
+    return f"{setting} shows one shape key alone; turn it off first"
+
+
+def note_unsettled(obj: bpy.types.Object, bands: list[Band], done: str) -> None:
+    """Note which bands are animated, and that they are ``done`` all the same; and which are soloed,
+    so that others do not count."""
     moving = [key.name for key in bands if keeping_of(record_of(obj)).animation_of(key, "value")]
     if moving:
-        note(f"animated, applied as they are on this frame: {listed(moving)}")
+        note(f"animated, {done}: {listed(moving)}")
     for record in records_of(obj):
         if record.solo:
-            note(f"of {record.name!r} one band is soloed, and is applied alone")
+            note(f"of {record.name!r} one band is soloed, and counts alone")
 
 
 def _copied(obj: bpy.types.Object) -> bpy.types.Object:

@@ -8,13 +8,14 @@ from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
-from . import filter_curve, list_panel, live_guard, mask_menu, sliders, spectrum
+from . import filter_curve, list_panel, live_guard, mask_menu, original, sliders, spectrum
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
 from .gains import PRESETS
+from .show_original import SPECTRAL_TV_OT_show_original
 from .take_bands import SPECTRAL_TV_OT_take_bands
 
 
@@ -50,7 +51,18 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             say(layout, context, text, "ERROR")
             return
         self._draw_spectrum(layout, record, context.scene.unit_settings)
+        is_original = original.is_shown(obj)
+        if is_original:
+            text = "The original is shown; the values of the bands are kept"
+            say(layout.box(), context, text, "INFO")
+        layout.operator(
+            SPECTRAL_TV_OT_show_original.bl_idname,
+            text="Show Look" if is_original else "Show Original",
+            icon="LOOP_BACK" if is_original else "LOOP_FORWARDS",
+            depress=is_original,
+        )
         column = layout.column(align=True)
+        column.enabled = not is_original
         sliders.draw_scale(column, bands_shown(obj), icons=4)
         for number, key in enumerate(bands_shown(obj), start=1):
             row = column.row(align=True)

@@ -10,16 +10,19 @@ from ..command_line.formats import BLEND, FORMATS
 from ..command_line.frames_verb import FramesVerb
 from ..command_line.progress import progress
 from ..options.arguments import add_arguments as add_options
-from ..options.arguments import complaint
+from ..options.arguments import complaint, read
 from ..scene import applied, multires
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
-from . import shown_shape
+from ..scene.records import record_of
+from . import figures, limiting, shown_shape
 from .adding import Part, add_bands
 from .bands import prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
+from .held import Held
+from .limiting import LimitSettings
 from .settings import Settings
 from .shapes import told_groups
 from .write_back import write_back
@@ -57,6 +60,7 @@ All other formats hold the filtered shape."""
         FramesVerb.add_frames(parser, "split and filter what is seen")
         add_gains(parser)
         add_safe(parser)
+        add_options(parser, LimitSettings)
 
     def complaint(self) -> str | None:
         """What is wrong with them together."""
@@ -70,8 +74,9 @@ All other formats hold the filtered shape."""
 
     def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Give objects their bands; over frames, have them play their filtered shapes."""
-        self._folding = FoldingGains(self.choices)
+        self._folding, self._held = FoldingGains(self.choices), Held(self.choices)
         super().treat_all(objects)
+        self._held.note_frames()
         if self.choices.frames is not None:
             self._folding.note_frames()
 
@@ -114,9 +119,23 @@ All other formats hold the filtered shape."""
         add_bands([Part(*pair, arguments, split) for pair in pairs], asked)
         for obj in objects:
             set_values(obj, values)
-        self._folding.look(objects, label)
+        shown = self._folding.look(objects, label)
+        self._hold(objects, shown)
         if asked.shape == "MULTIRES":
             self._put_back(objects[0])
+
+    def _hold(
+        self, objects: Sequence[bpy.types.Object], shown: Sequence[Sequence[bpy.types.ShapeKey]]
+    ) -> None:
+        """Hold what the keys that are shown of objects do within the limit, and measure it."""
+        limit = read(self.choices, LimitSettings).limit
+        found = []
+        for obj, keys in zip(objects, shown, strict=True):
+            found.append(limiting.limit(obj, keys, limit, [record_of(obj)]))
+        self._held.add([each for each in found if each is not None])
+        if self._held.is_measured:
+            for obj, keys in zip(objects, shown, strict=True):
+                self.measured[obj.name] = figures.figures(obj, keys)
 
     def _put_back(self, work: bpy.types.Object) -> None:
         """Give the levels the shape of a work object; only a .blend keeps that, with its bands."""

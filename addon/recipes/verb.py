@@ -5,12 +5,15 @@ from collections.abc import Sequence
 
 import bpy
 
+from ..bands import figures
+from ..bands.held import Held
 from ..bands.shapes import told_groups
 from ..command_line.frames_verb import FramesVerb
 from ..command_line.progress import progress
 from ..options.arguments import add_arguments as add_options
 from ..scene.notes import note
 from ..scene.objects import Refusal
+from ..scene.records import bands_of
 from . import own
 from .making import Making
 from .recipes import RECIPES
@@ -57,9 +60,16 @@ formats hold the shape that is seen."""
         """The objects, those together whose open edges meet."""
         return told_groups(objects, own.find(self.asked.recipe).settings)
 
+    def treat_all(self, objects: list[bpy.types.Object]) -> None:
+        """Give objects the look, as they are or in frames."""
+        self._held = Held(self.choices)
+        super().treat_all(objects)
+        self._held.note_frames()
+
     def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         """Give objects the look."""
-        making = Making.prepare(objects, own.find(self.asked.recipe), self.asked.strength)
+        asked = self.asked
+        making = Making.prepare(objects, own.find(asked.recipe), asked.strength, asked.limit)
         made = making.recall()
         if made is None:
             with progress(label) as show:
@@ -67,3 +77,8 @@ formats hold the shape that is seen."""
         making.write(objects, made)
         if made.told and self.choices.frames is None:
             note(made.told)
+        self._held.add(making.hold(objects))
+        if self._held.is_measured:
+            for obj in objects:
+                bands = [band for band in bands_of(obj) if band is not None]
+                self.measured[obj.name] = figures.figures(obj, bands)
