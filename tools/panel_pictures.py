@@ -10,16 +10,16 @@ ROOT = Path(__file__).resolve().parent.parent
 # Left and right edge of the sidebar in the session's window; upper and lower edges of the panels.
 LEFT, RIGHT = 774, 1030
 PICTURES = {
-    "panel_recipes": ("1_tab", 84, 221),
-    "panel_decompose": ("1_tab", 221, 465),
-    "panel_progress": ("2_progress", 183, 427),
-    "panel_scales": ("panel_base_limbs", 221, 634),
-    "panel_bands": ("4_bands", 539, 1099),
-    "panel_filters": ("4_bands", 1099, 1286),
-    "panel_curve": ("panel_curve", 1476, 1783),
-    "panel_deform": ("panel_deform", 526, 1026),
-    "panel_attributes": ("panel_attributes", 1082, 1376),
-    "panel_values": ("panel_values", 1377, 1640),
+    "panel_recipes": ("1_tab", 84, 245),
+    "panel_decompose": ("1_tab", 245, 489),
+    "panel_progress": ("2_progress", 207, 451),
+    "panel_scales": ("panel_base_limbs", 245, 658),
+    "panel_bands": ("4_bands", 563, 1147),
+    "panel_filters": ("4_bands", 1147, 1334),
+    "panel_curve": ("panel_curve", 1524, 1831),
+    "panel_deform": ("panel_deform", 550, 1050),
+    "panel_attributes": ("panel_attributes", 1106, 1400),
+    "panel_values": ("panel_values", 1401, 1664),
 }
 
 

@@ -16,8 +16,7 @@ class SPECTRAL_TV_PT_deviation(BandsPanel, bpy.types.Panel):
 
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj, chosen = context.active_object, context.scene.spectral_tv_deviation
-        row = layout.row(align=True)
-        row.prop(chosen, "limit", text="Limit")
+        layout.prop(chosen, "limit", text="Limit")
         held = limit_in_force(obj)
         row = layout.row(align=True)
         part = row.row(align=True)
@@ -27,13 +26,12 @@ class SPECTRAL_TV_PT_deviation(BandsPanel, bpy.types.Panel):
         if held:
             row.operator(SPECTRAL_TV_OT_limit_movement.bl_idname, text="", icon="X").limit = 0
             say(layout, context, f"Held within {held}, at the values then", "INFO")
-        row = layout.row(align=True)
-        row.prop(obj.data.spectral_tv, "shows_deviation", toggle=True, icon="COLOR")
-        row.prop(chosen, "range", text="")
+        layout.prop(obj.data.spectral_tv, "shows_deviation", toggle=True, icon="COLOR")
         if obj.data.spectral_tv.shows_deviation:
             text = heat_map.hidden(context)
             if text:
                 say(layout, context, text, "INFO")
+            layout.prop(chosen, "range")
         measure = layout.operator(SPECTRAL_TV_OT_measure_deviation.bl_idname, icon="FILE_TEXT")
         measure.limit = chosen.limit
         kept = obj.data.spectral_tv.deviation

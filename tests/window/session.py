@@ -10,6 +10,7 @@ import bpy
 sys.path.insert(0, str(Path(__file__).parent))
 
 from deform import deform
+from deviation import deviation
 from hold_and_pull import hold_and_pull
 from masks import masks
 from others import others
@@ -47,6 +48,7 @@ def session() -> Steps[None]:
     yield from drag_a_slider()
     yield from undo_and_redo()
     yield from masks()
+    yield from deviation()
     yield from panels()
     yield from deform()
     yield from hold_and_pull()
