@@ -14,9 +14,10 @@ from ..options.arguments import complaint, read
 from ..scene import applied, multires
 from ..scene.notes import listed, note
 from ..scene.objects import Refusal
-from ..scene.records import record_of
+from ..scene.records import all_bands_of, record_of
 from . import figures, limiting, shown_shape
 from .adding import Part, add_bands
+from .apply_argument import add_apply, apply_each, complaint_of_apply
 from .bands import prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
@@ -61,6 +62,7 @@ All other formats hold the filtered shape."""
         add_gains(parser)
         add_safe(parser)
         add_options(parser, LimitSettings)
+        add_apply(parser)
 
     def complaint(self) -> str | None:
         """What is wrong with them together."""
@@ -69,6 +71,9 @@ All other formats hold the filtered shape."""
             return "--largest has to be larger than --finest"
         if reason is None and asked.shape == "MULTIRES" and self.choices.frames is not None:
             return "--shape multires is at rest, so it is not for --frames"
+        if reason is None and asked.shape == "MULTIRES" and self.choices.apply:
+            return "--apply is not for --shape multires, whose bands are on an object of their own"
+        reason = reason or complaint_of_apply(self.choices)
         reason = reason or complaint(self.choices, Settings, asked) or asked.complaint()
         return reason or complaint_of_gains(self.choices, asked.band_count)
 
@@ -123,6 +128,10 @@ All other formats hold the filtered shape."""
         self._hold(objects, shown)
         if asked.shape == "MULTIRES":
             self._put_back(objects[0])
+        if self.choices.apply:
+            others = [all_bands_of(obj) for obj in objects]  # those that were in the file too
+            every = [list({*keys, *mine}) for keys, mine in zip(shown, others, strict=True)]
+            apply_each(objects, every)
 
     def _hold(
         self, objects: Sequence[bpy.types.Object], shown: Sequence[Sequence[bpy.types.ShapeKey]]

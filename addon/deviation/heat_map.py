@@ -28,8 +28,8 @@ RAMP = (
 OPACITY = 0.8
 # Of a drawing that takes longer, in seconds, the next one waits until nothing changed for a while.
 LONG, REST = 0.1, 0.3
-# In unscaled pixels: the bar, where it is in the view, letters, and gaps.
-BAR, PLACE, LETTERS, GAP = (14, 150), (75, 60), 12, 8
+# In unscaled pixels: the bar, how far from the left it is, letters, and gaps.
+BAR, LEFT, LETTERS, GAP = (14, 150), 75, 12, 8
 STEPS = 32
 
 _handles: list[object] = []
@@ -194,7 +194,8 @@ def _draw_legend() -> None:
     if known is None or known.layer is None:
         return
     scale = bpy.context.preferences.system.ui_scale
-    (width, height), (left, bottom) = (np.multiply(each, scale) for each in (BAR, PLACE))
+    width, height, left = np.multiply([*BAR, LEFT], scale)
+    bottom = (bpy.context.region.height - height) / 2
     shares = np.linspace(-1, 1, STEPS)
     ends = [
         (x, bottom + (share + 1) / 2 * height) for share in shares for x in (left, left + width)

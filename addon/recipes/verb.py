@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..bands import figures
+from ..bands.apply_argument import add_apply, apply_each, complaint_of_apply
 from ..bands.held import Held
 from ..bands.shapes import told_groups
 from ..command_line.frames_verb import FramesVerb
@@ -13,7 +14,7 @@ from ..command_line.progress import progress
 from ..options.arguments import add_arguments as add_options
 from ..scene.notes import note
 from ..scene.objects import Refusal
-from ..scene.records import bands_of
+from ..scene.records import all_bands_of, bands_of
 from . import own
 from .making import Making
 from .recipes import RECIPES
@@ -45,6 +46,7 @@ formats hold the shape that is seen."""
         super().add_arguments(parser)
         add_options(parser, RecipeSettings)
         FramesVerb.add_frames(parser, "do so to what is seen")
+        add_apply(parser)
 
     def complaint(self) -> str | None:
         """What is wrong with them together."""
@@ -54,7 +56,7 @@ formats hold the shape that is seen."""
                 own.find(self.asked.recipe)
             except Refusal as error:
                 return f"--recipe: {error}"
-        return reason
+        return reason or complaint_of_apply(self.choices)
 
     def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         """The objects, those together whose open edges meet."""
@@ -78,7 +80,10 @@ formats hold the shape that is seen."""
         if made.told and self.choices.frames is None:
             note(made.told)
         self._held.add(making.hold(objects))
+        bands = [[band for band in bands_of(obj) if band is not None] for obj in objects]
         if self._held.is_measured:
-            for obj in objects:
-                bands = [band for band in bands_of(obj) if band is not None]
-                self.measured[obj.name] = figures.figures(obj, bands)
+            for obj, mine in zip(objects, bands, strict=True):
+                self.measured[obj.name] = figures.figures(obj, mine)
+        if self.choices.apply:
+            every = [all_bands_of(obj) for obj in objects]  # those that were in the file too
+            apply_each(objects, every)
