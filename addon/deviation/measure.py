@@ -33,13 +33,14 @@ class SPECTRAL_TV_OT_measure_deviation(
     bl_idname = "spectral_tv.measure_deviation"
     bl_label = "Measure Deviation"
 
+    filepath: StringProperty(
+        name="File", description="Write the figures to this file too", subtype="FILE_PATH",
+        options={"SKIP_SAVE"}
+    )  # fmt: skip
+
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
         return deviation_refusal(context.active_object)
-
-    filepath: StringProperty(
-        name="File", description="Write the figures to this file too", subtype="FILE_PATH"
-    )
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
         bands = all_bands_of(obj)

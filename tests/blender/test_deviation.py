@@ -365,3 +365,23 @@ def test_the_command_line_holds_what_is_clamped_too(tmp_path):
     obj = meshes()[0]
     assert obj.data.shape_keys.key_blocks["Safe"].value == 1
     assert 0.99 * free / 3 < deviations(obj).max() <= free / 3 * (1 + 1e-5)
+
+
+@pytest.mark.parametrize(
+    "verb", [["recipe", "--recipe", "Stylize"], ["decompose", "--bands=2", "--gain=1=3"]]
+)
+def test_the_command_line_holds_each_frame_and_tells_it_once(verb, tmp_path, capfd):
+    source = write_monkey(tmp_path / "monkey.ply")
+    load(source)
+    before = coordinates(meshes()[0].data.vertices)
+    target, report = tmp_path / "out.blend", tmp_path / "report.jsonl"
+    options = ["--frames", "1-3", "--limit", "0.002", "--report", str(report)]
+    assert run([*verb, str(source), "-o", str(target), *options]) == 0
+    said = capfd.readouterr().err
+    assert said.count("held back at 2 mm") == 1 and "some in 3 of 3" in said
+    load(target)
+    for frame in (1, 2, 3):
+        bpy.context.scene.frame_set(frame)
+        away = np.linalg.norm(evaluated(meshes()[0]) - before, axis=1)
+        assert 0.0019 < away.max() <= 0.002 + 1e-6
+    assert "deviation" not in json.loads(report.read_text())["done"]
