@@ -4,8 +4,8 @@ import argparse
 from collections.abc import Sequence
 
 import bpy
+from spectral_tv.notes import note
 
-from ..scene.notes import note
 from .apply_look import become_look
 
 

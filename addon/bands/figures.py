@@ -10,11 +10,11 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import listed, note
 
 from ..scene import lengths, mix
 from ..scene.keeping import Band
 from ..scene.modifiers import between
-from ..scene.notes import listed, note
 from ..scene.records import bands_of, records_of
 from .bands import settings_as_taken
 from .deviation import Deviation

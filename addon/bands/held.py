@@ -3,8 +3,9 @@
 import argparse
 from collections.abc import Sequence
 
+from spectral_tv.notes import note
+
 from ..scene import lengths
-from ..scene.notes import note
 from .limiting import Limited
 
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
+from spectral_tv.options.declaring import number
 
-from ..options.declaring import number
 from ..scene import lengths, mix, results
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
-from ..scene.notes import note
 from ..scene.results import Piece
 from ..scene.weights import weights_of
 from .deviation import matrix_of

@@ -1,6 +1,7 @@
 """The operator that holds a look within a limit."""
 
 import bpy
+from spectral_tv.notes import listed, note
 
 from ..bands import limiting
 from ..bands.apply_look import note_unsettled, pinned_refusal
@@ -8,7 +9,6 @@ from ..bands.set_bands import BandsOperator, bands_refusal
 from ..options.properties import choices_of
 from ..scene import lengths
 from ..scene.modifiers import between
-from ..scene.notes import listed, note
 from ..scene.records import all_bands_of, records_of
 
 

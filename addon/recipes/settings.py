@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from spectral_tv.options.declaring import name_of, number
+
 from ..bands.limiting import limit_option
-from ..options.declaring import name_of, number
 from . import own
 
 

@@ -42,7 +42,7 @@ def test_adds_one_key_per_band_after_basis(monkey, method):
     assert bpy.ops.spectral_tv.decompose(method=method, bands=4, steps=12) == {"FINISHED"}
     keys = monkey.data.shape_keys
     names = [key.name for key in keys.key_blocks]
-    label = import_module(f"{MODULE}.bands.methods").METHODS[method].label
+    label = import_module("spectral_tv.bands.methods").METHODS[method].label
     assert names == ["Basis", *(f"{label} Band {band}" for band in range(1, 5))]
     assert keys.use_relative
     for key in keys.key_blocks[1:]:

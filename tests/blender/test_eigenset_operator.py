@@ -63,7 +63,7 @@ def test_elements_are_chosen_and_told(obj):
 
 def test_a_set_on_a_large_mesh_is_told_to_flow_on_vertices():
     settings = import_module(f"{MODULE}.attributes.settings")
-    with import_module(f"{MODULE}.scene.notes").gathered() as notes:
+    with import_module("spectral_tv.notes").gathered() as notes:
         large = (np.arange(250_001) < 9).astype(float)[:, np.newaxis]
         assert settings.chosen_elements("AUTOMATIC", large) == "vertices"
         assert settings.chosen_elements("EDGES", large) == "edges"

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 from command_line_files import QUICK, empty, run, write_monkey
 from disks import disk
-
-names = import_module("bl_ext.user_default.spectral_tv.files.names")
+from spectral_tv.files import names
 
 
 @pytest.fixture(autouse=True)

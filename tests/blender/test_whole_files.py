@@ -16,7 +16,7 @@ import pytest
 from command_line_files import empty
 from disks import disk, protect
 
-_package = "bl_ext.user_default.spectral_tv.files"
+_package = "spectral_tv.files"
 whole = import_module(f"{_package}.whole")
 checks = import_module(f"{_package}.checks")
 NotWritten, written, ensure_writable = whole.NotWritten, whole.written, whole.ensure_writable

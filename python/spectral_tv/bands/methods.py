@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 import spectral_tv
-
-from ..options.declaring import Only
+from spectral_tv.options.declaring import Only
 
 
 @dataclass(frozen=True)

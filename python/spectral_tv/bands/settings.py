@@ -6,11 +6,12 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
+
 import spectral_tv
 from spectral_tv import DEFAULTS
-
-from ..job.estimates import Needs, total
-from ..options.declaring import (
+from spectral_tv.bands.gains import too_few_steps
+from spectral_tv.bands.methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
+from spectral_tv.options.declaring import (
     Only,
     choice,
     in_force,
@@ -21,8 +22,7 @@ from ..options.declaring import (
     share,
     switch,
 )
-from .gains import too_few_steps
-from .methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
+from spectral_tv.options.estimates import Needs, total
 
 INTO_TEXT = "What becomes of the active decomposition"
 INTO = (
