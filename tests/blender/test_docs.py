@@ -27,7 +27,8 @@ FILES = {
     "scripting.md-9": ["ear.blend"],
     "scripting.md-10": ["mask.blend", "mask.csv"],
     "scripting.md-11": ["smooth.png"],
-    "scripting.md-20": ["splits.pickle"],
+    "scripting.md-18": ["smooth.ply"],
+    "scripting.md-21": ["splits.pickle"],
 }
 
 
