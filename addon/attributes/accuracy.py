@@ -7,9 +7,9 @@ from itertools import chain
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.settings import Settings
+from spectral_tv.options.estimates import Needs
 
-from ..bands.settings import Settings
-from ..job.estimates import Needs
 from ..scene import results
 from ..scene.documents import keep_text
 from ..scene.results import Piece

@@ -3,10 +3,10 @@
 from itertools import chain
 
 import bpy
+from spectral_tv.bands.methods import METHODS
 
 from ..bands.bands import settings_as_taken
 from ..bands.bands_panel import BandsPanel
-from ..bands.methods import METHODS
 from ..drawing.preferences import shows_research
 from ..drawing.work import WorkPanel, draw_button, draw_needs
 from ..scene.records import record_of

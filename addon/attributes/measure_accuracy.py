@@ -6,9 +6,9 @@ from typing import Any
 import bpy
 import spectral_tv
 from bpy.props import BoolProperty, EnumProperty
+from spectral_tv.bands.methods import METHODS
 
 from ..bands.bands import base_shape, settings_as_taken
-from ..bands.methods import METHODS
 from ..bands.properties import DecompositionChoices
 from ..bands.shapes import read_surfaces
 from ..job.operator import JobOperator

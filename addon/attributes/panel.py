@@ -1,11 +1,11 @@
 """The panel that flows attributes, vertex groups, color attributes and shape keys."""
 
 import bpy
+from spectral_tv.options.estimates import of_values
 
 from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
 from ..drawing.work import MeshPanel, draw_button, draw_needs
-from ..job.estimates import of_values
 from ..options import rows
 from ..scene.objects import refusal
 from .eigenset import SPECTRAL_TV_OT_test_eigenset

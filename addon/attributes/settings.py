@@ -7,10 +7,10 @@ import bpy
 import numpy as np
 import spectral_tv
 from numpy.typing import NDArray
+from spectral_tv.notes import note
+from spectral_tv.options.declaring import Only, choice, name_of, number, switch
 
 from ..bands.filtering import IN_BANDS, FilterSettings
-from ..options.declaring import Only, choice, name_of, number, switch
-from ..scene.notes import note
 from .sources import KINDS, names
 
 RESULTS = (

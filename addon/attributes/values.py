@@ -8,8 +8,8 @@ import numpy as np
 import spectral_tv
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
+from spectral_tv.files.whole import NotWritten, write_text
 
-from ..files.whole import NotWritten, write_text
 from ..job.operator import JobOperator
 from ..scene.objects import Refusal
 from . import curves, flows

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import bpy
+from spectral_tv.notes import listed
 
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
-from ..scene.notes import listed
 from ..scene.records import bands_shown, record_of, records_of
 
 

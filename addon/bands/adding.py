@@ -9,13 +9,14 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.settings import Settings
+from spectral_tv.notes import about, listed, note
 
 from ..scene import masks
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.fingerprints import Likeness
 from ..scene.keeping import PLACES, USUAL, Band
 from ..scene.naming import band_names, free_stem
-from ..scene.notes import about, listed, note
 from ..scene.places import world_scale
 from ..scene.records import (
     add_record,
@@ -32,7 +33,6 @@ from .bands import Flow, displacements, flow_of, keep_flow, settings_of, source_
 from .overlap import Overlap, overlap_of_flows
 from .recut import Former, Recut
 from .replacing import replaced
-from .settings import Settings
 from .solo import end_solo
 
 

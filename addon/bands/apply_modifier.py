@@ -2,11 +2,11 @@
 
 import bpy
 from bpy.props import StringProperty
+from spectral_tv.notes import gathered
 
 from ..job.operator import Refusing
 from ..scene.applying import FOLLOWERS, apply_modifier, farthest
 from ..scene.coordinates import seen_coordinates
-from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
 
 # How far, relative to the size, what is seen may move untold.

@@ -8,13 +8,14 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
+from spectral_tv.notes import note
 
 from ..job.together import Together
 from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
-from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.records import (
     bands_of,
@@ -28,7 +29,6 @@ from ..scene.records import (
 from ..scene.shape_keys import key_shape, make_room
 from ..scene.surface import Surface, flattened, shape_of
 from ..scene.weights import group_named
-from .settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
 from .shapes import read_surfaces
 
 

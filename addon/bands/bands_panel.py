@@ -3,6 +3,7 @@
 import math
 
 import bpy
+from spectral_tv.bands.gains import PRESETS
 
 from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
@@ -14,7 +15,6 @@ from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
-from .gains import PRESETS
 from .take_bands import SPECTRAL_TV_OT_take_bands
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.options.declaring import number
 
 from ..job.operator import JobOperator
-from ..options.declaring import number
 from ..options.properties import choices_of
 from ..scene import masks, mix
 from ..scene.mix import keys_of

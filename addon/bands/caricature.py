@@ -6,22 +6,22 @@ from typing import Any
 
 import bpy
 import spectral_tv
+from spectral_tv.bands.gains import caricature_values
+from spectral_tv.bands.methods import METHODS, OF_THE_PAPER
+from spectral_tv.bands.settings import INTO, INTO_TEXT, STEPS, Settings
+from spectral_tv.notes import about, note
+from spectral_tv.options.declaring import choice, in_force, integer, number, options_of
 
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
 from ..job.steps import Steps, in_turn
-from ..options.declaring import choice, in_force, integer, number, options_of
 from ..options.properties import choices_of
-from ..scene.notes import about, note
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .adding import Part, add_bands
 from .bands import prepare, recall, set_values, start_split
-from .gains import caricature_values
-from .methods import METHODS, OF_THE_PAPER
 from .replacing import check_replaced, replaced_identifiers
-from .settings import INTO, INTO_TEXT, STEPS, Settings
 
 LIMBS = options_of(Settings)["keep_limbs"]
 # How much of limbs is kept, relative to what the method does: limbs are part of a caricature.

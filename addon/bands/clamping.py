@@ -7,11 +7,11 @@ from functools import partial
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import note
+from spectral_tv.options.declaring import number
 
 from ..job.steps import Steps, in_turn
-from ..options.declaring import number
 from ..scene import mix
-from ..scene.notes import note
 from ..scene.records import all_bands_of, bands_of, record_of
 from ..scene.shape_keys import add_displacements
 from ..scene.surface import Reading, Surface, moves_of

@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 import spectral_tv
 from bpy.props import BoolProperty
+from spectral_tv.bands.settings import ON_NEW_OBJECT
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
@@ -18,7 +19,6 @@ from .adding import Part, add_bands
 from .bands import prepare_together, recall, start_split
 from .properties import DecompositionChoices
 from .replacing import check_replaced, replaced_identifiers
-from .settings import ON_NEW_OBJECT
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,7 @@ from typing import Any
 
 import numpy as np
 from bpy.props import IntProperty
-
-from ..options.declaring import Only, choice, integer, name_of, number, options_of, switch
-from ..scene.notes import note
-from ..scene.objects import Refusal
-from . import filter_curve
-from .gains import (
+from spectral_tv.bands.gains import (
     PRESETS,
     curve_values,
     idle_reason,
@@ -18,6 +13,11 @@ from .gains import (
     too_few_steps,
     usual_band,
 )
+from spectral_tv.notes import note
+from spectral_tv.options.declaring import Only, choice, integer, name_of, number, options_of, switch
+
+from ..scene.objects import Refusal
+from . import filter_curve
 
 FILTERS = (
     *(preset for preset in PRESETS if preset[0] != "RESET"),

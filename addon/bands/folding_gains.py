@@ -4,9 +4,9 @@ import argparse
 from collections.abc import Sequence
 
 import bpy
+from spectral_tv.command_line.progress import progress
+from spectral_tv.notes import gathered, listed, note
 
-from ..command_line.progress import progress
-from ..scene.notes import gathered, listed, note
 from ..scene.records import bands_of
 from .bands import set_values
 from .clamping import Clamping, GuardSettings

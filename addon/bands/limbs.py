@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import bpy
 from bpy.props import FloatProperty
+from spectral_tv.bands.settings import Settings
+from spectral_tv.notes import note
+from spectral_tv.options.declaring import options_of
 
-from ..options.declaring import options_of
 from ..scene.fingerprints import Likeness
-from ..scene.notes import note
 from ..scene.objects import user_of
 from ..scene.records import keeping_of, recognise_bands, record_of
 from .bands import Flow, displacements, flow_of, flows, settings_of
 from .set_bands import cut_refusal
-from .settings import Settings
 
 OPTION = options_of(Settings)["keep_limbs"]
 

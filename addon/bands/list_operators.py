@@ -2,12 +2,12 @@
 
 import bpy
 from bpy.props import StringProperty
+from spectral_tv.notes import listed, note
 
 from ..job.operator import ChangeOperator
 from ..scene import masks
 from ..scene.drivers import readers
 from ..scene.fingerprints import Likeness
-from ..scene.notes import listed, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import (
     activate,

@@ -1,6 +1,7 @@
 """The list of the decompositions of an object, and what those that are not active do."""
 
 import bpy
+from spectral_tv.bands.methods import METHODS
 
 from ..drawing.sidebar import say
 from ..scene.decomposition import SpectralTVRecord
@@ -11,7 +12,6 @@ from .list_operators import (
     SPECTRAL_TV_OT_remove_decomposition,
     SPECTRAL_TV_OT_switch_decomposition,
 )
-from .methods import METHODS
 
 MOST_ROWS = 5
 

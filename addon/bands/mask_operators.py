@@ -5,13 +5,13 @@ from typing import Any
 import bpy
 import numpy as np
 from bpy.props import EnumProperty, IntProperty, StringProperty
+from spectral_tv.notes import listed, note
 
 from ..scene import masks
 from ..scene.arrays import numbers
 from ..scene.contents import attribute_values
 from ..scene.keeping import Band
 from ..scene.modes import out_of_edit_mode
-from ..scene.notes import listed, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import bands_of, record_of, topology_changed
 from ..scene.weights import group_named, weights_of

@@ -3,12 +3,12 @@
 import bpy
 import numpy as np
 from bpy.props import FloatProperty, StringProperty
+from spectral_tv.notes import note
 
 from ..scene import masks
 from ..scene.group_users import told
 from ..scene.keeping import Band
 from ..scene.modes import set_mode
-from ..scene.notes import note
 from .mask_operators import MaskOperator, band_of, mask_refusal
 
 PAINTING = "WEIGHT_PAINT"

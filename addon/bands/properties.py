@@ -1,12 +1,12 @@
 """The choices in the sidebar that are about bands, kept with the scene."""
 
 import bpy
+from spectral_tv.bands.gains import usual_band
+from spectral_tv.bands.settings import Settings
 
 from ..options.properties import choices_of, property_of, sidebar_of
 from ..scene.records import record_of
 from .filtering import FilterSettings, SidebarFilter
-from .gains import usual_band
-from .settings import Settings
 
 DecompositionChoices = choices_of(Settings, "method shape")
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from ..scene import masks
 from ..scene.channels import Animated, own_actions
@@ -18,7 +19,6 @@ from ..scene.drivers import copy_driver, retarget_drivers, same_driver
 from ..scene.fcurves import Point, add_curve, make_keyframes, same_modifiers
 from ..scene.keeping import Band, Keeping
 from ..scene.names import free_name
-from ..scene.notes import note
 from .mean_mask import mean_mask
 from .overlap import Overlap
 

@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Sequence
 
 import bpy
+from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
 
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
 from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
-from .settings import ON_NEW_OBJECT, Settings
 
 
 def replaced(obj: bpy.types.Object, settings: Settings) -> SpectralTVRecord | None:

@@ -3,12 +3,14 @@
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from spectral_tv.bands.gains import PRESETS, curve_values, idle_reason, preset_values
+from spectral_tv.bands.settings import Settings
+from spectral_tv.notes import about, note
+from spectral_tv.options.declaring import OWN, options_of
 
 from ..job.operator import ChangeOperator
-from ..options.declaring import OWN, options_of
 from ..options.properties import property_of
 from ..scene.decomposition import SpectralTVRecord
-from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
 from ..scene.records import (
     bands_of,
@@ -22,8 +24,6 @@ from . import filter_curve
 from .adding import cut_again
 from .bands import flows, set_values
 from .filtering import FilterSettings
-from .gains import PRESETS, curve_values, idle_reason, preset_values
-from .settings import Settings
 from .solo import toggle_solo
 
 LIMBS = options_of(Settings)["keep_limbs"]

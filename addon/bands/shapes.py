@@ -4,17 +4,17 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
+from spectral_tv.bands.settings import ON_NEW_OBJECT, SHAPES, Settings
+from spectral_tv.notes import note
 
 from ..scene import mix, multires
 from ..scene.modifiers import between, symmetries
-from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 from ..scene.surface import Reading, Surface
 from ..scene.touching import touching
 from . import shown_shape
 from .replacing import replaced_bands
-from .settings import ON_NEW_OBJECT, SHAPES, Settings
 
 
 def read_surfaces(

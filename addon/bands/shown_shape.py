@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
+from spectral_tv.notes import note
 
 from ..scene import applied, mix, multires, work_objects
 from ..scene.modifiers import between, is_moved
-from ..scene.notes import note
 from ..scene.objects import Refusal, take_place
 from ..scene.places import is_kept_up
 from ..scene.surface import Reading, Surface

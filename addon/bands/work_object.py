@@ -1,11 +1,11 @@
 """The operator that makes a work object of the top level of a Multiresolution sculpt."""
 
 import bpy
+from spectral_tv.notes import note
 
 from ..job.operator import ChangeOperator
 from ..scene import multires, work_objects
 from ..scene.coordinates import points
-from ..scene.notes import note
 from ..scene.objects import refusal, take_place
 from ..scene.temporary import Temporary
 

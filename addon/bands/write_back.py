@@ -2,10 +2,10 @@
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from ..job.operator import ChangeOperator
 from ..scene import applied, multires, work_objects
-from ..scene.notes import note
 from ..scene.objects import Refusal, refusal, take_place
 from ..scene.places import is_kept_up
 from ..scene.temporary import Temporary

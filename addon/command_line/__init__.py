@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 import bpy
+from spectral_tv.command_line import signals, streams
 
-from . import signals, streams
 from .verb import Command
 
 NAME = "spectral_tv"

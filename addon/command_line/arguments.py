@@ -5,7 +5,8 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..files.names import file_keys
+from spectral_tv.files.names import file_keys
+
 from ..scene.objects import Refusal
 from .formats import exportable
 

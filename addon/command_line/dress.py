@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import bpy
 import numpy as np
+from spectral_tv.files.srgb import decoded, encoded
 
-from ..files.srgb import decoded, encoded
 from ..scene.arrays import corner_vertices, means, numbers
 from .contents import color_layers, own_attributes
 from .formats import FORMATS

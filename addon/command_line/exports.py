@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from spectral_tv.files import stl
+from spectral_tv.files.checks import check
+from spectral_tv.files.room import with_room
+from spectral_tv.files.torn import require
 
-from ..files import stl
-from ..files.checks import check
-from ..files.room import with_room
-from ..files.torn import require
 from ..scene.animation import curves_of
 from ..scene.channels import drivers_of
 from ..scene.objects import Refusal

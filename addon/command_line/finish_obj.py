@@ -7,8 +7,8 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from spectral_tv.files.torn import require
 
-from ..files.torn import require
 from ..scene.coordinates import points
 from .digits import OBJ_AXES, Digits, are_coarse, are_nowhere, decimals_of, fine_decimals
 

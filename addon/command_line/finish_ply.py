@@ -6,13 +6,13 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from spectral_tv.files import ply_table
+from spectral_tv.files.ply import AXES
+from spectral_tv.files.ply_table import Table
+from spectral_tv.notes import note
 
-from ..files import ply_table
-from ..files.ply import AXES
-from ..files.ply_table import Table
 from ..scene.arrays import corner_vertices, numbers
 from ..scene.coordinates import coordinates
-from ..scene.notes import note
 from .contents import loose_edges
 from .digits import Digits, are_coarse, are_nowhere, decimals_of, fine_decimals
 

@@ -9,13 +9,13 @@ from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
+from spectral_tv.files import fbx, ply, ply_table, stl
+from spectral_tv.files import obj as objs
+from spectral_tv.files.faces import Faces
+from spectral_tv.files.torn import last
+from spectral_tv.notes import listed, note
 
-from ..files import fbx, ply, ply_table, stl
-from ..files import obj as objs
-from ..files.faces import Faces
-from ..files.torn import last
 from ..scene.coordinates import coordinates
-from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.surface import NOWHERE
 from .digits import FAR, OBJ_AXES, PLAIN, Digits, are_nowhere, of_points

@@ -8,8 +8,8 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
-from ..scene.notes import note
 from ..scene.surface import NOWHERE
 from .digits import FAR
 

@@ -9,13 +9,13 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.files import ply
+from spectral_tv.files.checks import Torn, check
+from spectral_tv.notes import listed, note
 
-from ..files import ply
-from ..files.checks import Torn, check
 from ..scene.animation import curves_of
 from ..scene.coordinates import coordinates, points
 from ..scene.mix import keys_of
-from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
 from . import given as files

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Sequence
 from itertools import groupby
 
-from ..scene.notes import listed, note
+from spectral_tv.notes import listed, note
+
 from .contents import Thing
 from .formats import APPLIED, BLEND, FORMATS, HOLDS, NO, ONE, a
 

@@ -5,8 +5,8 @@ from contextlib import contextmanager
 
 import bpy
 from mathutils import Matrix
+from spectral_tv.notes import note
 
-from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from .formats import FORMATS, a, has_option

@@ -6,10 +6,10 @@ from contextlib import contextmanager
 import bmesh
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from ..scene.coordinates import coordinates
 from ..scene.mix import keys_of
-from ..scene.notes import note
 from .copies import held
 from .digits import are_nowhere
 from .formats import a

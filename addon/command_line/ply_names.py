@@ -8,7 +8,7 @@ import os
 import shutil
 from pathlib import Path
 
-from ..scene.notes import listed, note
+from spectral_tv.notes import listed, note
 
 END = b"end_header\n"
 # What stands before the name of a property, and before that of a list.

@@ -5,9 +5,9 @@ from contextlib import contextmanager
 from itertools import chain
 
 import bpy
+from spectral_tv.notes import listed, note
 
 from ..scene.channels import curves_and_drivers
-from ..scene.notes import listed, note
 from ..scene.temporary import Temporary
 
 # Properties that renders go by, and those that the viewport goes by.

@@ -7,8 +7,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import bpy
+from spectral_tv.notes import listed, note
 
-from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from .contents import armatures

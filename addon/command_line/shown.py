@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.notes import listed, note
 
 from ..scene.animation import curves_of
 from ..scene.applied import mesh_of
 from ..scene.coordinates import seen_coordinates
-from ..scene.notes import listed, note
 from ..scene.shape_keys import SLIDER_RANGE
 from ..scene.temporary import Temporary
 from .contents import armatures, own_properties

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..files import fbx, usd
+from spectral_tv.files import fbx, usd
 
 AXES = "XYZ"
 # What stands for a USD file that does not say.

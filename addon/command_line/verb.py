@@ -10,21 +10,22 @@ from typing import Any
 
 import bpy
 import spectral_tv
+from spectral_tv.command_line import errors
+from spectral_tv.command_line.progress import say
+from spectral_tv.command_line.report import DONE, Entry, Report
+from spectral_tv.command_line.signals import heed
+from spectral_tv.files.whole import ensure_writable
+from spectral_tv.notes import about, gathered, listed
+from spectral_tv.options.arguments import names_of, read, told
 
-from ..files.whole import ensure_writable
-from ..options.arguments import names_of, read, told
 from ..scene.frames import kept, visited
-from ..scene.notes import about, gathered, listed
 from ..scene.objects import Refusal, refusal
-from . import errors, picture
+from . import picture
 from .arguments import EXIT_CODES, add_arguments, complaint, outputs
 from .formats import exportable, importable
 from .frames import frames_of, plays
 from .load import Source, freeze, load
-from .progress import say
-from .report import DONE, Entry, Report
 from .save import save
-from .signals import heed
 
 FAILED = 1
 # What is no setting of a verb.

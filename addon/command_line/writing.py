@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..files.whole import NotWritten, written
-from .errors import reason
-from .signals import heed
+from spectral_tv.command_line.errors import reason
+from spectral_tv.command_line.signals import heed
+from spectral_tv.files.whole import NotWritten, written
 
 
 @contextmanager

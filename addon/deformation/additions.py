@@ -4,11 +4,11 @@ from collections.abc import Collection
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from ..scene import mix
 from ..scene.coordinates import basis_coordinates
 from ..scene.modifiers import passed_over, symmetries
-from ..scene.notes import note
 from .results import Known, told
 
 # Modifiers that refine a shape, and leave it as it is else.

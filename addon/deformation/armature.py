@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from ..scene.contents import digest
 from ..scene.names import free_name, taken_names
-from ..scene.notes import note
 from ..scene.temporary import Temporary
 from ..scene.weights import members
 from .bones import Bone, placed

@@ -3,9 +3,9 @@
 import bmesh
 import bpy
 from bpy.props import EnumProperty
+from spectral_tv.notes import note
 
 from ..job.operator import ChangeOperator
-from ..scene.notes import note
 from ..scene.objects import Refusal, refusal
 from . import constraints
 from .empties import constrain

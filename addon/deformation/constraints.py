@@ -15,8 +15,8 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
+from spectral_tv.options.declaring import Only, choice, number, options_of
 
-from ..options.declaring import Only, choice, number, options_of
 from ..options.properties import choices_of
 from ..scene.fingerprints import Fingerprint
 from ..scene.objects import Refusal

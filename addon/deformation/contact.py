@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import note
 
 from ..job.steps import Step
-from ..scene.notes import note
 
 
 @dataclass(frozen=True)

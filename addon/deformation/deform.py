@@ -6,8 +6,8 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
-from ..scene.notes import note
 from ..scene.objects import Refusal, refusal
 from ..scene.places import kept_up
 from ..scene.surface import Surface

@@ -6,9 +6,9 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.options.declaring import in_force
 
 from ..job.steps import Steps
-from ..options.declaring import in_force
 from ..scene.contents import digest
 from ..scene.coordinates import coordinates
 from ..scene.modifiers import symmetries

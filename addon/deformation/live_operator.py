@@ -1,11 +1,11 @@
 """The operator that deforms while handles are dragged."""
 
 import bpy
+from spectral_tv.notes import gathered
 
 from ..job import faults, jobs, timers
 from ..job.operator import REFUSALS, Refusing
 from ..job.progress import redraw_sidebars
-from ..scene.notes import gathered
 from .deform import follow_refusal
 from .live import LiveDeformation
 

@@ -5,9 +5,9 @@ import math
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty
 from mathutils import Vector
+from spectral_tv.notes import gathered, note
 
 from ..job.operator import REFUSALS, ChangeOperator
-from ..scene.notes import gathered, note
 from ..scene.objects import Refusal, refusal
 from . import constraints, overlay
 from .deform_operator import SPECTRAL_TV_OT_deform

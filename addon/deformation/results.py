@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from ..scene.animation import animation_of
 from ..scene.applying import FOLLOWERS
 from ..scene.fingerprints import Fingerprint, Likeness, digests, names, recognise
-from ..scene.notes import note
 from ..scene.shape_keys import add_displacements, set_displacement
 from .constraints import deformation_of
 

@@ -7,16 +7,16 @@ import bpy
 import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
+from spectral_tv.command_line.progress import progress, say
+from spectral_tv.notes import listed, note
+from spectral_tv.options.arguments import add_arguments as add_options
+from spectral_tv.options.arguments import complaint
+from spectral_tv.options.declaring import options_of
 
 from ..command_line.formats import BLEND
 from ..command_line.frames import frames_argument, plays
-from ..command_line.progress import progress, say
 from ..command_line.verb import Verb
-from ..options.arguments import add_arguments as add_options
-from ..options.arguments import complaint
-from ..options.declaring import options_of
 from ..scene.animation import travel
-from ..scene.notes import listed, note
 from ..scene.objects import Refusal, refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 import bpy
+from spectral_tv.options.estimates import Needs
 
 from ..job import faults, jobs
-from ..job.estimates import Needs
 from ..job.operator import SPECTRAL_TV_OT_cancel
 from ..job.select_faulty import SPECTRAL_TV_OT_select_faulty
 from ..options import rows

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import note
 
 from ..bands.filtering import filter_values
-from ..scene.notes import note
 from .flows import Request, Still, contrast_of
 from .pixels import Pixels
 from .settings import Settings

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from spectral_tv.files.srgb import decoded, encoded
 
-from ..files.srgb import decoded, encoded
 from ..scene.temporary import Temporary
 
 SRGB = "sRGB"

@@ -1,10 +1,10 @@
 """The panel in the Image Editor that filters images."""
 
 import bpy
+from spectral_tv.options.estimates import of_values
 
 from ..drawing.sidebar import say
 from ..drawing.work import WorkPanel, draw_button, draw_needs
-from ..job.estimates import of_values
 from .operator import SPECTRAL_TV_OT_filter_image
 from .results import source_of
 from .sources import refusal

@@ -6,9 +6,9 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.files.headers import Header, Torn, Unreadable, read_header
+from spectral_tv.notes import note
 
-from ..files.headers import Header, Torn, Unreadable, read_header
-from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from . import colors

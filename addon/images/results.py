@@ -5,9 +5,9 @@ from collections.abc import Collection
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import note
 
 from ..scene.documents import images_of, remember_image
-from ..scene.notes import note
 from .bands import Prepared
 from .flows import Still
 from .pixels import Pixels

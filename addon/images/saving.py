@@ -7,13 +7,13 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from spectral_tv.files import picture_tags
+from spectral_tv.files.checks import check
+from spectral_tv.files.profiles import fits, name_of
+from spectral_tv.files.tiff import Meaning, write_tiff
+from spectral_tv.notes import note
 
 from ..command_line.formats import a
-from ..files import picture_tags
-from ..files.checks import check
-from ..files.profiles import fits, name_of
-from ..files.tiff import Meaning, write_tiff
-from ..scene.notes import note
 from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from . import colors

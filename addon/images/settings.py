@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from typing import Any
 
+from spectral_tv.options.declaring import Only, choice, number, switch
+
 from ..bands.filtering import FilterSettings
-from ..options.declaring import Only, choice, number, switch
 
 RESULTS = (
     ("FILTER", "Filtered", "The image with its bands kept, removed or amplified"),

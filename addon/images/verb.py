@@ -6,9 +6,15 @@ from functools import cached_property
 from pathlib import Path
 
 import bpy
+from spectral_tv.bands.gains import too_few_steps
+from spectral_tv.command_line.progress import progress, say
+from spectral_tv.command_line.report import Entry
+from spectral_tv.files.room import with_room
+from spectral_tv.files.whole import ensure_writable
+from spectral_tv.options.arguments import add_arguments as add_options
+from spectral_tv.options.arguments import read, whole
 
 from ..bands.gain_arguments import add_gains, band_values, complaint_of_gains
-from ..bands.gains import too_few_steps
 from ..command_line.arguments import (
     add_places,
     add_report,
@@ -17,14 +23,8 @@ from ..command_line.arguments import (
     ensure_file,
     is_folder,
 )
-from ..command_line.progress import progress, say
-from ..command_line.report import Entry
 from ..command_line.verb import Command
 from ..command_line.writing import written_by_blender
-from ..files.room import with_room
-from ..files.whole import ensure_writable
-from ..options.arguments import add_arguments as add_options
-from ..options.arguments import read, whole
 from . import colors
 from .bands import prepare
 from .formats import BY_SUFFIX, DEPTHS, FORMATS

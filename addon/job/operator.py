@@ -10,8 +10,8 @@ from typing import Any
 import bpy
 import spectral_tv
 from bpy.props import FloatProperty
+from spectral_tv.notes import gathered
 
-from ..scene.notes import gathered
 from ..scene.objects import Refusal, refusal
 from . import faults, jobs, timers
 from .jobs import Work, state_of

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from spectral_tv.options.declaring import OWN, Option, options_of
 
 from . import rows
-from .declaring import OWN, Option, options_of
 
 KINDS = {
     "integer": IntProperty,

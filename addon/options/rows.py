@@ -3,8 +3,7 @@
 from typing import Any
 
 import bpy
-
-from .declaring import Option, options_of
+from spectral_tv.options.declaring import Option, options_of
 
 
 def draw(layout: bpy.types.UILayout, choices: Any, *columns: str, obj: Any = None) -> None:

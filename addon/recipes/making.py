@@ -10,17 +10,17 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.settings import Settings
+from spectral_tv.notes import listed, note
 
 from ..bands.adding import Part, add_bands
 from ..bands.bands import prepare_together, recall, set_values, start_split
 from ..bands.clamping import least_of_copies
 from ..bands.guard import STRETCH
 from ..bands.replacing import check_replaced, replaced_identifiers
-from ..bands.settings import Settings
 from ..job.steps import Steps
 from ..scene import results
 from ..scene.decomposition import SpectralTVRecord
-from ..scene.notes import listed, note
 from ..scene.records import activate, bands_of, record_of, records_of
 from ..scene.results import Piece
 from ..scene.surface import Surface

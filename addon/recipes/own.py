@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
+from spectral_tv.files.whole import NotWritten, write_text
+from spectral_tv.notes import listed, note
+from spectral_tv.options.declaring import Option, options_of
 
-from ..bands.settings import ON_NEW_OBJECT, Settings
-from ..files.whole import NotWritten, write_text
-from ..options.declaring import Option, options_of
-from ..scene.notes import listed, note
 from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
 from .recipe import Recipe

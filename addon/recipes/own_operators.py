@@ -4,11 +4,11 @@ from pathlib import Path
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
+from spectral_tv.notes import gathered, note
 
 from ..bands.bands import settings_of
 from ..bands.set_bands import bands_refusal
 from ..job.operator import REFUSALS, Refusing
-from ..scene.notes import gathered, note
 from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 from . import own

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ..bands.settings import Settings
+from spectral_tv.bands.settings import Settings
 
 
 @dataclass(frozen=True)

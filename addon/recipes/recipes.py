@@ -1,6 +1,7 @@
 """The recipes that there are."""
 
-from ..bands.settings import Settings
+from spectral_tv.bands.settings import Settings
+
 from .recipe import Recipe
 
 RECIPES = (

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..options.declaring import name_of, number
+from spectral_tv.options.declaring import name_of, number
+
 from . import own
 
 

@@ -4,12 +4,12 @@ import argparse
 from collections.abc import Sequence
 
 import bpy
+from spectral_tv.command_line.progress import progress
+from spectral_tv.notes import note
+from spectral_tv.options.arguments import add_arguments as add_options
 
 from ..bands.shapes import told_groups
 from ..command_line.frames_verb import FramesVerb
-from ..command_line.progress import progress
-from ..options.arguments import add_arguments as add_options
-from ..scene.notes import note
 from ..scene.objects import Refusal
 from . import own
 from .making import Making

@@ -5,10 +5,10 @@ from contextlib import contextmanager
 
 import bpy
 from mathutils import Vector
+from spectral_tv.notes import note
 
 from .channels import Animated, actions_of, insert_keyframe, key_path, remove_channels
 from .frames import curve_time
-from .notes import note
 from .objects import Refusal
 
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import bmesh
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from . import results
 from .applied import mesh_of
 from .arrays import numbers
 from .contents import digest, topology_digest
 from .coordinates import coordinates
-from .notes import note
 from .objects import Refusal
 from .temporary import Temporary
 

@@ -4,8 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
-
-from .notes import note
+from spectral_tv.notes import note
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 import bpy
 import numpy as np
 from bpy.props import PointerProperty, StringProperty
+from spectral_tv.notes import note
 
 from .contents import digest
-from .notes import note
 
 Document = bpy.types.Text | bpy.types.Image
 

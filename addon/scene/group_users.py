@@ -3,9 +3,9 @@
 from collections.abc import Collection, Iterator
 
 import bpy
+from spectral_tv.notes import listed
 
 from .mix import keys_of
-from .notes import listed
 
 
 def keys_with(mesh: bpy.types.Mesh, name: str, but: Collection[str] = ()) -> list[str]:

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Sequence
 import bpy
 import numpy as np
 from bpy.props import StringProperty
+from spectral_tv.notes import listed, note
 
 from .group_users import keys_with, others_with, told
 from .mix import keys_of, mask
 from .names import free_name, taken_names
-from .notes import listed, note
 from .objects import Refusal
 from .weights import set_weights
 

@@ -12,6 +12,7 @@ from types import MappingProxyType
 import bpy
 import numpy as np
 from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringProperty
+from spectral_tv.notes import note
 
 from .contents import TYPES
 from .decomposition import SpectralTVRecord
@@ -19,7 +20,6 @@ from .documents import SpectralTVDocument
 from .fingerprints import Fingerprint, Likeness, names, recognise
 from .masks import SpectralTVMask
 from .names import free_name, taken_names
-from .notes import note
 from .objects import Refusal
 from .shape_keys import add_displacements, remove_key, set_displacement
 from .weights import set_weights

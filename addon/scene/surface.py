@@ -9,12 +9,12 @@ import bpy
 import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
+from spectral_tv.notes import note
 
 from .arrays import means
 from .coordinates import basis_coordinates, triangles
 from .mirroring import Copies, mirrored, single
 from .modifiers import symmetries
-from .notes import note
 from .objects import Refusal
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.

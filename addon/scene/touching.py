@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
+from spectral_tv.notes import gathered
 
-from .notes import gathered
 from .surface import Reading, Surface
 
 

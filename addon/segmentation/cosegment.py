@@ -5,12 +5,12 @@ from functools import partial
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import about
 
 from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
 from ..job.steps import Steps, in_turn
 from ..scene import mix
-from ..scene.notes import about
 from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from . import segments

@@ -1,8 +1,8 @@
 """The panel that labels the parts of the selected meshes."""
 
 import bpy
+from spectral_tv.bands.settings import Settings
 
-from ..bands.settings import Settings
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..scene.results import SEGMENTS, groups_shown
 from .cosegment import METHOD, SPECTRAL_TV_OT_cosegment

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import bpy
+from spectral_tv.options.declaring import integer, several
 
-from ..options.declaring import integer, several
 from ..options.properties import choices_of
 from .segments import OUTPUTS
 

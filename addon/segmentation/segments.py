@@ -4,12 +4,12 @@ import colorsys
 
 import bpy
 import numpy as np
+from spectral_tv.notes import note
 
 from ..scene import results
 from ..scene.arrays import corner_vertices, polygon_starts
 from ..scene.contents import attribute_values
 from ..scene.names import free_name, taken_names
-from ..scene.notes import note
 from ..scene.results import SEGMENTS, Piece
 
 # The beginning of the names of results; the vertex groups are numbered.

@@ -5,11 +5,11 @@ from contextlib import nullcontext
 import bpy
 import numpy as np
 from bpy.props import FloatProperty
+from spectral_tv.notes import about, note
 
 from ..job.jobs import read_each
 from ..job.operator import ChangeOperator
 from ..scene import mix, results
-from ..scene.notes import about, note
 from ..scene.objects import Refusal, refusal
 from ..scene.results import PARTS, SEGMENTS, Piece, groups_shown
 from ..scene.surface import Surface

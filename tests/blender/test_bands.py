@@ -11,6 +11,8 @@ import bpy
 import numpy as np
 import pytest
 import spectral_tv
+from spectral_tv.bands import gains
+from spectral_tv.bands.settings import Settings
 
 EXTENSION = "bl_ext.user_default.spectral_tv"
 
@@ -92,7 +94,6 @@ def test_what_keeps_a_filter_from_being_seen_is_told(banded, capfd):
 @pytest.mark.parametrize("bands", [2, 3, 4, 5, 9])
 def test_every_preset_of_the_sidebar_does_something_as_it_stands(monkey, bands):
     bpy.ops.spectral_tv.decompose(bands=bands, steps=12)
-    gains = import_module(f"{EXTENSION}.bands.gains")
     sidebar = bpy.context.scene.spectral_tv_filter
     assert 1 <= sidebar.first == sidebar.last <= bands
     for preset in ("LOW_PASS", "HIGH_PASS", "BAND_PASS", "BAND_STOP", "EXAGGERATE"):
@@ -280,13 +281,12 @@ def test_cutting_again_uses_the_same_flow(banded):
 
 def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
     bands = import_module(f"{EXTENSION}.bands.bands")
-    settings = import_module(f"{EXTENSION}.bands.settings").Settings
 
     bands.flows.clear()  # those of other tests
     bpy.ops.spectral_tv.decompose(bands=4, steps=12)
 
     def is_recalled(**choices) -> bool:
-        return bands.recall(*bands.prepare(banded, settings(**choices))) is not None
+        return bands.recall(*bands.prepare(banded, Settings(**choices))) is not None
 
     assert is_recalled(bands=4, steps=12)
     assert is_recalled(bands=7, steps=12)

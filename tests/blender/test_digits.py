@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import re
 import struct
-from importlib import import_module
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 from command_line_files import empty, exportable, load, meshes, run, write_scene
+from spectral_tv.files import fbx, ply, usd
 
-ply = import_module("bl_ext.user_default.spectral_tv.files.ply")
-usd = import_module("bl_ext.user_default.spectral_tv.files.usd")
-fbx = import_module("bl_ext.user_default.spectral_tv.files.fbx")
 ALL_PASS = ["--gain", "all=1", "--bands", "1", "--steps", "2"]
 MAP = np.array([5_000_000.0, 4_000_000.0, 300.0])
 

@@ -7,13 +7,13 @@ from importlib import import_module
 import pytest
 import spectral_tv
 from conftest import MODULE
+from spectral_tv.bands.gains import caricature_values
+from spectral_tv.bands.settings import Settings
+from spectral_tv.options.declaring import keywords
 
 from tools.gallery import shipped
 
-Settings = import_module(f"{MODULE}.bands.settings").Settings
 CaricatureSettings = import_module(f"{MODULE}.bands.caricature").CaricatureSettings
-keywords = import_module(f"{MODULE}.options.declaring").keywords
-caricature_values = import_module(f"{MODULE}.bands.gains").caricature_values
 
 
 def bands_of(settings) -> shipped.Bands:

@@ -11,10 +11,11 @@ import bpy
 import numpy as np
 import pytest
 from command_line_files import empty, exportable, load, meshes, run, write_scene
+from spectral_tv import notes
+from spectral_tv.files import obj as objs
+from spectral_tv.files import ply
+from spectral_tv.files import ply_table as tables
 
-ply = import_module("bl_ext.user_default.spectral_tv.files.ply")
-objs = import_module("bl_ext.user_default.spectral_tv.files.obj")
-tables = import_module("bl_ext.user_default.spectral_tv.files.ply_table")
 ALL_PASS = ["--gain", "all=1", "--bands", "1", "--steps", "2"]
 ORDINARY = re.compile(r"\d+ %|: wrote |the filter changes nothing")
 ORDERS = {"": "ascii", "<": "binary_little_endian", ">": "binary_big_endian"}
@@ -433,7 +434,6 @@ def test_advice_about_welding_is_that_of_the_option(tmp_path: Path, capfd):
 
 
 def test_advice_about_welding_in_blender_names_the_property(tmp_path: Path):
-    notes = import_module("bl_ext.user_default.spectral_tv.scene.notes")
     surface = import_module("bl_ext.user_default.spectral_tv.scene.surface")
     load(write_ply(tmp_path / "soup.ply", *soup(1e-3), "<"))
     with notes.gathered() as found:

@@ -17,8 +17,8 @@ import pytest
 from command_line_files import empty, exportable, load, meshes, run, write_scene
 from conftest import IN_BLENDER
 from disks import disk, protect
+from spectral_tv.files import checks
 
-checks = import_module("bl_ext.user_default.spectral_tv.files.checks")
 QUICK = ["--bands", "1", "--steps", "2"]
 FORMATS = [suffix for suffix in exportable() if suffix not in (".usd", ".usda")]
 

@@ -24,6 +24,7 @@ from deform_scene import (
     update,
 )
 from mathutils import Euler, Vector
+from spectral_tv import notes
 
 
 @pytest.fixture
@@ -322,7 +323,6 @@ def test_a_surface_that_runs_into_itself_is_told(held, capfd):
     told = capfd.readouterr().out
     found = re.search(r"(\d+) triangles pass through others, unlike at rest", told)
     assert found and int(found[1]) > 20
-    notes = import_module(f"{MODULE}.scene.notes")
     with notes.gathered() as noted:
         live.settle()
     assert any("pass through others" in text for text in noted)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import json
 import os
-from importlib import import_module
 from pathlib import Path
 
 import bpy
@@ -13,8 +12,7 @@ import numpy as np
 import pytest
 from command_line_files import QUICK, empty, run, write_monkey
 from disks import disk
-
-names = import_module("bl_ext.user_default.spectral_tv.files.names")
+from spectral_tv.files import names
 
 
 @pytest.fixture(autouse=True)

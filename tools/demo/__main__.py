@@ -9,8 +9,9 @@ import argparse
 import os
 import sys
 import tempfile
-from importlib import import_module
 from pathlib import Path
+
+from spectral_tv.files.whole import written
 
 ROOT = Path(__file__).resolve().parents[2]
 # Installed extensions of the demo stay apart from the user's own Blender.
@@ -51,7 +52,6 @@ def main() -> None:
 
     for method, _, _ in tqdm(METHODS, desc="Decomposing", unit=" methods"):
         bpy.ops.spectral_tv.decompose(method=method, bands=BANDS)
-    written = import_module("bl_ext.user_default.spectral_tv.files.whole").written
     with written(blend) as path:
         bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True, copy=True)
     with written(picture) as path, tqdm(total=100, desc="Rendering  ", unit=" %") as bar:

@@ -2,9 +2,9 @@
 
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import note
 
 from ...job.steps import Steps
-from ...scene.notes import note
 from ..constraints import label_of
 from .solver import Solved, Solver, came_along
 from .total_variation import of_optimum

@@ -6,10 +6,10 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.notes import note
+from spectral_tv.options.declaring import keywords
 
 from ...job.steps import Step, Steps
-from ...options.declaring import keywords
-from ...scene.notes import note
 from ..constraints import Settings
 from ..contact import Contact, Rest
 from ..grips import Grips

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from .whole import PREFIX
+from spectral_tv.files.whole import PREFIX
 
 # A name that is another one where small letters and accents by themselves count.
 SMALL, LARGE = "a\u0308", "\u00c4"

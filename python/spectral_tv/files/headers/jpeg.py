@@ -3,9 +3,9 @@
 import struct
 from collections.abc import Iterator
 
-from ..torn import Torn
-from .header import AS_RGB, Header
-from .tiff import METRES, orientation_of, tells_more
+from spectral_tv.files.headers.header import AS_RGB, Header
+from spectral_tv.files.headers.tiff import METRES, orientation_of, tells_more
+from spectral_tv.files.torn import Torn
 
 APP0, APP1, APP2, SCAN = 0xE0, 0xE1, 0xE2, 0xDA
 # Markers of frames, and those among them that are none.

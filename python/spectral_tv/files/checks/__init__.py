@@ -7,8 +7,8 @@ import struct
 from collections.abc import Callable
 from pathlib import Path
 
-from ..torn import Torn
-from . import pictures, scenes, shapes
+from spectral_tv.files.checks import pictures, scenes, shapes
+from spectral_tv.files.torn import Torn
 
 CHECKS: dict[str, Callable[[Path], None]] = {
     ".ply": shapes.ply, ".stl": shapes.stl, ".obj": shapes.obj, ".blend": scenes.blend,

@@ -4,7 +4,7 @@ import struct
 import zlib
 from pathlib import Path
 
-from .headers.exr import MEANING, attributes, starts
+from spectral_tv.files.headers.exr import MEANING, attributes, starts
 
 # Of the profile's bytes in one segment of a JPEG.
 SEGMENT = 65519

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .faces import Faces
-from .ply import ORDERS, TYPES, Header, find, read_header
+from spectral_tv.files.faces import Faces
+from spectral_tv.files.ply import ORDERS, TYPES, Header, find, read_header
 
 NAMES = {kind: name for name, kind in reversed(TYPES.items())}
 ENDS = ("vertex1", "vertex2")

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from .. import ply as plys
-from ..torn import Torn, last, require, take
+from spectral_tv.files import ply as plys
+from spectral_tv.files.torn import Torn, last, require, take
 
 
 def ply(path: Path) -> None:

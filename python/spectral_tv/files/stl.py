@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .faces import Faces
-from .torn import number
+from spectral_tv.files.faces import Faces
+from spectral_tv.files.torn import number
 
 HEAD = 84
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -4,9 +4,9 @@ import struct
 import zlib
 from pathlib import Path
 
-from ..torn import Torn
-from . import exr, jpeg, png, tiff, webp
-from .header import Header, Unreadable
+from spectral_tv.files.headers import exr, jpeg, png, tiff, webp
+from spectral_tv.files.headers.header import Header, Unreadable
+from spectral_tv.files.torn import Torn
 
 # How files begin, whatever their suffix.
 STARTS = {

@@ -2,7 +2,7 @@
 
 import re
 
-from ..files.whole import PREFIX
+from spectral_tv.files.whole import PREFIX
 
 TEMPORARY = re.compile(rf"{re.escape(PREFIX)}[0-9a-f]{{12}}/?")
 PYTHONS = re.compile(r"^\w+Error: (\[Errno \d+\] )?")

@@ -2,8 +2,8 @@
 
 import struct
 
-from ..torn import Torn
-from .header import Header, Unreadable
+from spectral_tv.files.headers.header import Header, Unreadable
+from spectral_tv.files.torn import Torn
 
 TILED, DEEP, PARTS = 0x200, 0x800, 0x1000
 HALF = 1

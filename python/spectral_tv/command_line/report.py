@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from ..files.whole import NotWritten, alone
+from spectral_tv.files.whole import NotWritten, alone
 
 DONE, FAILED = "done", "failed"
 

@@ -3,9 +3,9 @@
 import struct
 from collections.abc import Iterator
 
-from ..torn import Torn
-from .header import Header, Unreadable
-from .tiff import orientation_of, tells_more
+from spectral_tv.files.headers.header import Header, Unreadable
+from spectral_tv.files.headers.tiff import orientation_of, tells_more
+from spectral_tv.files.torn import Torn
 
 ANIMATED, ALPHA = 0x02, 0x10
 

@@ -9,8 +9,8 @@ from typing import Any, BinaryIO
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
-from ..torn import Torn, last, require, take
-from .pictures import by_start
+from spectral_tv.files.checks.pictures import by_start
+from spectral_tv.files.torn import Torn, last, require, take
 
 FBX_END = bytes.fromhex("f85a8c6adef5d97eece90ce3758f290b")
 ZSTANDARD, SEEKABLE, SKIPPED = 0xFD2FB528, 0x8F92EAB1, 0x184D2A5E

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .declaring import Only, Option, in_force, options_of
+from spectral_tv.options.declaring import Only, Option, in_force, options_of
 
 # What stands for no end of a range.
 FAR, MANY = (-1e9, 1e9), 1 << 30

@@ -5,9 +5,9 @@ import zlib
 from collections.abc import Callable
 from pathlib import Path
 
-from ..headers.exr import PARTS, TILED, attributes, require_pixels
-from ..headers.tiff import Directory
-from ..torn import last, require, take
+from spectral_tv.files.headers.exr import PARTS, TILED, attributes, require_pixels
+from spectral_tv.files.headers.tiff import Directory
+from spectral_tv.files.torn import last, require, take
 
 
 def png(path: Path) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from .checks import Torn, check
+from spectral_tv.files.checks import Torn, check
 
 try:
     import fcntl

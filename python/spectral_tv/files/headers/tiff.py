@@ -3,8 +3,8 @@
 import struct
 from collections.abc import Iterator
 
-from ..torn import Torn
-from .header import AS_RGB, Header, Unreadable
+from spectral_tv.files.headers.header import AS_RGB, Header, Unreadable
+from spectral_tv.files.torn import Torn
 
 WIDTHS = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8}
 LETTERS = {1: "B", 3: "H", 4: "I", 6: "b", 8: "h", 9: "i", 11: "f", 12: "d"}

@@ -8,8 +8,8 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from .faces import Faces
-from .torn import number
+from spectral_tv.files.faces import Faces
+from spectral_tv.files.torn import number
 
 # So many lines are parsed at once.
 SOME = 1 << 16

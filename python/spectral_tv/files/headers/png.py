@@ -4,9 +4,9 @@ import struct
 import zlib
 from collections.abc import Iterator
 
-from ..torn import Torn
-from .header import Header
-from .tiff import orientation_of, tells_more
+from spectral_tv.files.headers.header import Header
+from spectral_tv.files.headers.tiff import orientation_of, tells_more
+from spectral_tv.files.torn import Torn
 
 GREY, GREY_ALPHA, COLOR_ALPHA = 0, 4, 6
 METRE = 1

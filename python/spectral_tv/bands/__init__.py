@@ -1,0 +1,1 @@
+"""The settings of a decomposition into bands, and the gains of these."""

@@ -1,0 +1,1 @@
+"""What the command lines, with and without Blender, have in common."""

@@ -1,0 +1,1 @@
+"""Options: declared once, for operators, panels, command lines and the package."""
