@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from spectral_tv.options.declaring import name_of, number
 
-from ..bands.limiting import limit_option
 from . import own
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import json
 import os
-from importlib import import_module
 from pathlib import Path
 
 import bpy
