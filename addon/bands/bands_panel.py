@@ -15,6 +15,7 @@ from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
+from .show_original import SPECTRAL_TV_OT_show_original
 from .take_bands import SPECTRAL_TV_OT_take_bands
 
 

@@ -9,7 +9,7 @@ from spectral_tv.bands.settings import Settings
 from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import listed, note
 from spectral_tv.options.arguments import add_arguments as add_options
-from spectral_tv.options.arguments import complaint
+from spectral_tv.options.arguments import complaint, read
 
 from ..command_line.formats import BLEND, FORMATS
 from ..command_line.frames_verb import FramesVerb
@@ -23,6 +23,8 @@ from .bands import prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
+from .held import Held
+from .limiting import LimitSettings
 from .shapes import told_groups
 from .write_back import write_back
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from spectral_tv.options.declaring import name_of, number
 
+from ..bands.limiting import limit_option
 from . import own
 
 

@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, IntProperty, PointerProperty, StringProperty
 from spectral_tv.notes import note
 
 from .contents import TYPES

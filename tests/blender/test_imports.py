@@ -8,7 +8,7 @@ import pytest
 ADDON = Path(__file__).resolve().parents[2] / "addon"
 # Each may import of those before it.
 LAYERS = ("native", "scene", "options", "job", "drawing", "command_line", "features")
-FEATURES = {"bands", "deformation", "segmentation", "attributes", "images", "recipes"}
+FEATURES = {"bands", "deviation", "deformation", "segmentation", "attributes", "images", "recipes"}
 # Of the features, whose bands the others split and filter.
 SHARED = "bands"
 # What puts all together.
