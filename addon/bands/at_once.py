@@ -10,8 +10,8 @@ from collections.abc import Callable
 import bpy
 from spectral_tv.bands.settings import Settings
 
-from ..drawing.pointing import redraw_views
 from ..drawing.sidebar import say
+from ..drawing.views import redraw_views
 from ..job import jobs
 from ..job.jobs import Running
 from ..options.properties import properties_of

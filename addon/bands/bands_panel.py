@@ -7,7 +7,7 @@ from spectral_tv.bands.gains import PRESETS
 
 from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
-from ..drawing.sizes import written
+from ..scene import lengths
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
 from . import (
@@ -17,6 +17,7 @@ from . import (
     list_panel,
     live_guard,
     mask_menu,
+    original,
     remarks,
     sliders,
     spectrum,
@@ -26,6 +27,7 @@ from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
+from .show_original import SPECTRAL_TV_OT_show_original
 from .take_bands import SPECTRAL_TV_OT_take_bands
 
 
@@ -61,12 +63,23 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             say(layout, context, text, "ERROR")
             return
         self._draw_spectrum(layout, record)
+        is_original = original.is_shown(obj)
         # Above the sliders, so that it stays under the mouse whatever their number is.
         row = layout.row()
         row.enabled = operators.cut_refusal(obj) is None
         row.prop(obj.data.spectral_tv_count, "bands")
         remarks.draw(layout, context, obj.data, "count", count.state(record))
+        if is_original:
+            text = "The original is shown; the values of the bands are kept"
+            say(layout.box(), context, text, "INFO")
+        layout.operator(
+            SPECTRAL_TV_OT_show_original.bl_idname,
+            text="Show Look" if is_original else "Show Original",
+            icon="LOOP_BACK" if is_original else "LOOP_FORWARDS",
+            depress=is_original,
+        )
         column = layout.column(align=True)
+        column.enabled = not is_original
         sliders.draw_scale(column, bands_shown(obj), icons=4)
         for number, key in enumerate(bands_shown(obj), start=1):
             row = column.row(align=True)
@@ -125,7 +138,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
 
 def _length(time: float) -> str:
     """The size of the features that vanish at a time, in the units of the scene."""
-    return written(math.sqrt(time))
+    return lengths.told(math.sqrt(time))
 
 
 class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):

@@ -15,14 +15,15 @@ from ..drawing.pointing import (
     on_ray,
     pixel,
     ray,
-    redraw_views,
     shown_mesh,
     tell_next,
     view_under,
 )
 from ..drawing.ring import Ring
-from ..drawing.sizes import size_of, written
+from ..drawing.sizes import size_of
+from ..drawing.views import redraw_views
 from ..job.operator import ChangeOperator
+from ..scene import lengths
 from ..scene.objects import Refusal, refusal
 from .properties import PICKER
 
@@ -75,12 +76,12 @@ class SPECTRAL_TV_OT_pick_size(ChangeOperator, bpy.types.Operator):
         setattr(choices, option.switch[0], True)
         kept = getattr(choices, f"length_{self.option}")
         if not math.isclose(kept, self.size, rel_tol=ROUNDING):
-            note(f"{option.label} goes no further than {written(kept)}")
+            note(f"{option.label} goes no further than {lengths.told(kept)}")
         settings = choices.settings()
         finest, largest = settings.relative_scales()
         if settings.by.has_bands and finest >= largest:
             note("the finest size is not below the largest")
-        return f"{option.label} is {written(kept)}"
+        return f"{option.label} is {lengths.told(kept)}"
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         if bpy.app.background or self.size > 0:
@@ -173,7 +174,7 @@ class SPECTRAL_TV_OT_pick_size(ChangeOperator, bpy.types.Operator):
     def _show(self, context: bpy.types.Context) -> None:
         """Draw the ring, and say what is next."""
         label = OPTIONS[self.option].label
-        length = written(self._ring.radius)
+        length = lengths.told(self._ring.radius)
         text = (
             self._message or "Drag from the middle of a feature to its rim   |   Click: this size"
         )

@@ -7,19 +7,14 @@ is recognised by identifiers.
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
-from ..drawing.pointing import redraw_views
+from ..drawing.views import is_seen, lifted, redraw_views
 from ..scene import listening
 from .constraints import deformation_of
 from .held import Held, Layer, Picked
 
 # How opaque the least and the greatest weight are.
 FAINTEST, STRONGEST = 0.12, 0.6
-# How far in front of the surface it is, relative to the distance from the eye; and relative to the
-# object's size where modifiers round what is drawn.
-LIFT, ROUNDED = 1e-3, 0.03
-
 # A scene, a view layer and an object, by their identifiers.
 Key = tuple[int, str, int]
 
@@ -128,18 +123,8 @@ def _draw() -> None:
         if key not in keys:
             del _known[key]
     for key, obj in zip(keys, shown, strict=True):
-        if graph is not None and obj.mode == "OBJECT" and _is_seen(obj, space, graph):
+        if graph is not None and obj.mode == "OBJECT" and is_seen(obj, space, graph):
             _draw_over(obj, graph, context, _known.setdefault(key, _Drawn()))
-
-
-def _is_seen(
-    obj: bpy.types.Object, space: bpy.types.SpaceView3D, graph: bpy.types.Depsgraph
-) -> bool:
-    """Whether a view shows it; Blender tells of local views in what was evaluated alone."""
-    layer = graph.view_layer
-    return obj.visible_get(view_layer=layer) and (
-        obj.evaluated_get(graph).visible_in_viewport_get(space)
-    )
 
 
 def _draw_over(
@@ -170,23 +155,10 @@ def _draw_over(
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
     with gpu.matrix.push_pop():
-        gpu.matrix.load_matrix(_lifted(obj, world, layer, context) @ world)
+        gpu.matrix.load_matrix(lifted(obj, world, layer.is_exact, context) @ world)
         known.batch.draw(shader)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
-
-
-def _lifted(
-    obj: bpy.types.Object, world: Matrix, layer: Layer, context: bpy.types.Context
-) -> Matrix:
-    """From the world to the view, a little nearer to the eye at the same place of the picture."""
-    view, size = context.region_data.view_matrix, max(obj.dimensions)
-    if context.region_data.window_matrix[3][3] == 0:  # perspective
-        distance = max(-(view @ world.translation).z, size / 2)
-        lift = LIFT if layer.is_exact else min(LIFT + ROUNDED * size / distance, 0.5)
-        return Matrix.Diagonal((1 - lift, 1 - lift, 1 - lift, 1)) @ view
-    lift = max(LIFT * context.region_data.view_distance, 1e-6 * context.space_data.clip_end)
-    return Matrix.Translation((0, 0, lift if layer.is_exact else lift + ROUNDED * size)) @ view
 
 
 def _listen() -> None:

@@ -68,14 +68,6 @@ def shown_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     return mesh
 
 
-def redraw_views() -> None:
-    """Have all 3D views drawn anew."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
 def tell_next(text: str | None) -> None:
     """Show what is next in the status bar and in the headers of 3D views, until it is None."""
     for workspace in bpy.data.workspaces:  # the user may go to another one meanwhile

@@ -15,7 +15,7 @@ from ..scene import listening
 from ..scene.coordinates import basis_coordinates, triangles
 from ..scene.modifiers import symmetries
 from ..scene.objects import is_mesh
-from .pointing import redraw_views
+from .views import redraw_views
 
 # Seconds without an update after which a mesh is measured again.
 REST = 0.5
@@ -62,14 +62,6 @@ def size_of(obj: bpy.types.Object | None) -> float | None:
 def size_of_active() -> float | None:
     """That of the active object."""
     return size_of(bpy.context.active_object)
-
-
-def written(length: float) -> str:
-    """A length in the units of the scene."""
-    units = bpy.context.scene.unit_settings
-    return bpy.utils.units.to_string(
-        units.system, "LENGTH", length * units.scale_length, precision=3
-    )
 
 
 def forget() -> None:

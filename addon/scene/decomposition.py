@@ -27,6 +27,10 @@ class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
         name="Was Muted", description="Before another band was soloed",
         override={"LIBRARY_OVERRIDABLE"}
     )  # fmt: skip
+    was_silent: BoolProperty(
+        name="Was Silent", description="It was muted before the original was shown",
+        override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
 
 
 class SpectralTVSample(bpy.types.PropertyGroup):
@@ -76,6 +80,14 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     solo: IntProperty(
         name="Solo", description="The band that is heard alone, from 1; 0 if none is",
         override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
+    limit: FloatProperty(
+        name="Limit", description="How far its bands may move a vertex, in the scene's unit, since "
+        "that was limited; 0 if it was not", subtype="DISTANCE"
+    )  # fmt: skip
+    shows_original: BoolProperty(
+        name="Shows Original", description="Its bands are muted for a while, to show what is "
+        "without them", override={"LIBRARY_OVERRIDABLE"}
     )  # fmt: skip
     bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
     components: StringProperty(

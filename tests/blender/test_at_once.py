@@ -14,7 +14,6 @@ from ball import ball, object_of
 from conftest import MODULE
 from shapes import icosphere
 from spectral_tv.bands.settings import Settings
-from spectral_tv.options import estimates
 
 at_once, at_once_plan, whole_change, bands = (
     import_module(f"{MODULE}.bands.{name}")

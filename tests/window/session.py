@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from at_once import at_once
 from deform import deform
+from deviation import deviation
 from hold_and_pull import hold_and_pull
 from masks import masks
 from others import others
@@ -48,6 +49,7 @@ def session() -> Steps[None]:
     yield from drag_a_slider()
     yield from undo_and_redo()
     yield from masks()
+    yield from deviation()
     yield from panels()
     yield from deform()
     yield from hold_and_pull()

@@ -3,9 +3,10 @@
 import json
 import math
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 import spectral_tv
 from spectral_tv import DEFAULTS
@@ -228,7 +229,7 @@ class Settings:
         """What is wrong with the numbers of bands and steps; None if nothing is."""
         return too_few_steps(self.band_count, self.least_steps)
 
-    def arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
+    def arguments(self, mesh: spectral_tv.Mesh, base: NDArray[np.float64] | None) -> dict[str, Any]:
         """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
 
         Raises spectral_tv.MeshError if the scales make no sense.
@@ -242,7 +243,7 @@ class Settings:
         return arguments
 
     def method_arguments(
-        self, mesh: spectral_tv.Mesh | None, base: np.ndarray | None
+        self, mesh: spectral_tv.Mesh | None, base: NDArray[np.float64] | None
     ) -> dict[str, Any]:
         """Those that name the method and, where there is a mesh, its base."""
         arguments: dict[str, Any] = {"method": self.by.package}
@@ -259,9 +260,9 @@ class Settings:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
 
-    def own_base(self) -> str | None:
+    def own_base(self) -> Literal["limbs"] | None:
         """What the package calls the base that it makes; None if it needs no name."""
-        return self.base.lower() if self.base == "LIMBS" else None
+        return "limbs" if self.base == "LIMBS" else None
 
     def needs(self, *counts: int) -> Needs:
         """What decomposing meshes of so many vertices takes."""
