@@ -106,6 +106,7 @@ pictures: $(EXTENSION_STAMP)
 	  docs/pictures/comparisons.png
 	$(BIN)/python -m tools.demo.recipes .build/pictures/creature.blend docs/pictures/recipes.png
 	$(BIN)/python -m tools.gallery.pose_film docs/pictures/posing.webp
+	$(BIN)/python -m tools.gallery.film docs/pictures/film.webp
 
 # Figures of the paper; FIGURES="clouds bands" makes some, MESHES=folder those of its meshes too.
 gallery: $(WHEEL_STAMP)

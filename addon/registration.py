@@ -21,6 +21,7 @@ from . import (
     bands,
     command_line,
     deformation,
+    deviation,
     drawing,
     images,
     job,
@@ -32,7 +33,7 @@ from .drawing import preferences
 
 # What others build on comes first, and of the panels those of the recipes.
 _PARTS: tuple[ModuleType, ...] = (
-    scene, drawing, job, recipes, bands, deformation, segmentation, attributes, images
+    scene, drawing, job, recipes, bands, deviation, deformation, segmentation, attributes, images
 )  # fmt: skip
 _KINDS = Operator | Panel | Menu | PropertyGroup | UIList | AddonPreferences
 

@@ -29,6 +29,12 @@ def contents() -> dict[str, Any]:
         found[f"object {obj.name}"] = _object(obj)
     for mesh in [mesh for mesh in bpy.data.meshes if mesh.users]:  # others are not saved
         found[f"mesh {mesh.name}"] = of_mesh(mesh)
+    for scene in bpy.data.scenes:
+        chosen = values(scene.spectral_tv).items()
+        # Lengths follow from the shape.
+        found[f"scene {scene.name}"] = {
+            name: value for name, value in chosen if not name.startswith("length_")
+        }
     for image in [image for image in bpy.data.images if image.source != "VIEWER"]:
         found[f"image {image.name}"] = (*image.size, _flat(image.pixels, None, len(image.pixels)))
     for text in bpy.data.texts:

@@ -11,7 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-# Shared libraries that the bpy package loads, and Debian's packages of them.
+# Shared libraries that the packages bpy and open3d load, and Debian's packages of them.
 LIBRARIES = {
     "libX11.so.6": "libx11-6",
     "libXrender.so.1": "libxrender1",
@@ -23,6 +23,7 @@ LIBRARIES = {
     "libICE.so.6": "libice6",
     "libGL.so.1": "libgl1",
     "libgomp.so.1": "libgomp1",
+    "libusb-1.0.so.0": "libusb-1.0-0",
 }
 
 

@@ -3,11 +3,14 @@
 from . import (
     apply_look,
     apply_modifier,
+    at_once,
     bake_safe,
     bands,
     bands_panel,
     blur_mask,
     caricature,
+    count,
+    curve_watch,
     decompose,
     decompose_panel,
     limbs,
@@ -18,12 +21,16 @@ from . import (
     mask_operators,
     multires_panel,
     paint_mask,
+    pick_size,
     properties,
+    remarks,
     sculpt_undo,
     set_bands,
+    show_original,
     sliders,
     spectrum,
     take_bands,
+    take_settings,
     verb,
     work_object,
     write_back,
@@ -32,10 +39,14 @@ from . import (
 FILES = (
     properties,
     decompose,
+    pick_size,
+    take_settings,
     limbs,
     set_bands,
+    count,
     sliders,
     take_bands,
+    show_original,
     apply_look,
     apply_modifier,
     bake_safe,
@@ -54,6 +65,15 @@ FILES = (
     caricature,
 )
 VERBS = (verb.Decompose,)
-START = LOADED = (sculpt_undo.start,)
-WITHDRAW = (sculpt_undo.stop,)
-FORGET = (bands.flows.clear, spectrum.forget, live_guard.forget, sculpt_undo.forget)
+START = LOADED = (sculpt_undo.start, curve_watch.start, at_once.start)
+WITHDRAW = (sculpt_undo.stop, curve_watch.stop, at_once.stop)
+FORGET = (
+    at_once.forget,
+    curve_watch.forget,
+    bands.flows.clear,
+    spectrum.forget,
+    live_guard.forget,
+    sculpt_undo.forget,
+    remarks.forget,
+    pick_size.end,
+)

@@ -1,5 +1,6 @@
 """A decomposition written as bands, beside those that there are or in the place of one of them."""
 
+import re
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
@@ -58,7 +59,7 @@ def add_bands(parts: Sequence[Part], settings: Settings, name: str = "") -> str:
     """
     forget_stale()
     with whole(*(part.obj for part in parts)):
-        pending = [_Pending.of(part, settings, name) for part in parts]
+        pending = [_Pending.of(part, settings, name, len(parts) > 1) for part in parts]
     for each in pending:
         with about(each.part.obj.name) if len(parts) > 1 else nullcontext():
             each.settle()
@@ -86,9 +87,10 @@ class _Pending:
     former: str | None
     stem: str
     new: list[Band]
+    is_part: bool
 
     @classmethod
-    def of(cls, part: Part, settings: Settings, name: str) -> "_Pending":
+    def of(cls, part: Part, settings: Settings, name: str, is_part: bool) -> "_Pending":
         """Add the keys."""
         adopt(part.obj.data)
         record = replaced(part.obj, settings)
@@ -99,11 +101,11 @@ class _Pending:
             wanted = [name] if name else _usual_names(settings)
             former, stem = None, free_stem(part.obj, wanted, len(edges) - 1)
         else:
-            former = stem = record.name
+            former, stem = record.name, _stem_after(part.obj, record, settings, len(edges) - 1)
         keeping = PLACES[USUAL if record is None else record.kept]
         found = displacements(flow, edges, settings.limbs_kept)
         new = keeping.add(part.obj, band_names(stem, len(edges) - 1), found)
-        return cls(part, settings, flow, edges, former, stem, new)
+        return cls(part, settings, flow, edges, former, stem, new, is_part)
 
     def settle(self) -> None:
         """Have a record remember them, and have them take the place of others."""
@@ -118,6 +120,7 @@ class _Pending:
             record = obj.data.spectral_tv.decompositions[self.former]
             wanted = band_names(self.stem, len(self.new))
             names, given = _take_place(obj, record, self.new, wanted, self._overlap(record))
+            record.recipe = record.recipe if record.method == settings.method else ""
             settings = self._mask(settings_of(record))
             masks.settle(obj, self.new)
         record.method, record.settings = settings.method, settings.text()
@@ -126,7 +129,10 @@ class _Pending:
         new_identity(obj, record)
         split = self.part.split
         record.keep_spectrum(split.times[1:-1], split.spectrum)
+        record.is_part = self.is_part
         _record_bands(obj, record, names, given, self.edges)
+        if record.name != self.stem:
+            record.name = self.stem
         keep_flow(record.identifier, self.flow)
 
     def _overlap(self, record: SpectralTVRecord) -> Overlap:
@@ -180,7 +186,10 @@ def cut_again(obj: bpy.types.Object, count: int, keep_limbs: float | None = None
 def _note_kept(obj: bpy.types.Object, settings: Settings) -> None:
     """Note that a decomposition of vertices that are no more is not replaced."""
     active = record_of(obj)
-    if active is not None and settings.into == "REPLACE" and active.method == settings.method:
+    is_alike = settings.into == "REPLACE_ANY" or (
+        settings.into == "REPLACE" and active is not None and active.method == settings.method
+    )
+    if active is not None and is_alike:
         note(f"{active.name!r} is of other vertices, so it stays beside the new one")
 
 
@@ -188,6 +197,19 @@ def _usual_names(settings: Settings) -> list[str]:
     """What a decomposition is called, if nobody else is."""
     label, mask = settings.by.label, settings.vertex_group
     return [label, f"{label} {mask}"] if mask else [label]
+
+
+def _stem_after(
+    obj: bpy.types.Object, record: SpectralTVRecord, settings: Settings, count: int
+) -> str:
+    """What a decomposition is called that takes the place of another one: as that, unless this
+    merely has the name of another method."""
+    before = settings_of(record)
+    own = "|".join(map(re.escape, _usual_names(before)))
+    if record.method == settings.method or not re.fullmatch(rf"({own})( \d+)?", record.name):
+        return record.name
+    keys = [band.key for band in record.bands]
+    return free_stem(obj, _usual_names(settings), count, record, keys)
 
 
 def _take_place(

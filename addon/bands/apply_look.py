@@ -1,7 +1,8 @@
 """The operator that makes the mix of the bands the shape itself."""
 
+from collections.abc import Sequence
+
 import bpy
-import numpy as np
 from bpy.props import EnumProperty
 from spectral_tv.notes import listed, note
 
@@ -15,7 +16,7 @@ from .set_bands import BandsOperator, bands_refusal
 
 PLACES = (
     ("HERE", "This Object", "The object itself takes the shape"),
-    ("COPY", "A New Object", "A copy takes the shape; the object stays, hidden"),
+    ("COPY", "A New Object", "A copy takes the shape; the object stays, hidden in renders too"),
 )
 
 
@@ -42,26 +43,32 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
         bands = all_bands_of(obj)
-        _note_animated(obj, bands)
-        # What the bands of all decompositions do now, masks and mutes included.
-        parts = [part.displacement(obj) for part in mix.parts(obj) if part.key in bands]
-        if not parts:
+        note_unsettled(obj, bands, "applied as they are on this frame")
+        if not any(part.key in bands for part in mix.parts(obj)):
             raise Refusal("the bands change nothing at their present values")
-        displacement = np.sum(parts, axis=0)
         users = [each.name for each in context.blend_data.objects if each.data == obj.data]
         if self.place == "COPY":
             obj = _copied(obj)
         elif len(users) > 1:
             note(f"the mesh is shared: {', '.join(users)} have the shape now")
-        spent = all_bands_of(obj)
-        forget(obj.data)
-        renewals = [follow(obj) for follow in FOLLOWERS]
-        become(obj, displacement, spent)
-        for renew in renewals:
-            renew()
-        masks.release(obj)
+        become_look(obj, all_bands_of(obj))
         left = "" if obj.data.shape_keys is not None else "; it has no shape keys any more"
-        return f"{len(spent)} bands became the shape of {obj.name!r}{left}"
+        return f"{len(bands)} bands became the shape of {obj.name!r}{left}"
+
+
+def become_look(obj: bpy.types.Object, spent: Sequence[Band]) -> None:
+    """Have what some keys do now, masks and mutes included, be the shape of the mesh.
+
+    They are removed, and the mesh has no decompositions any more.
+    """
+    parts = [part for part in mix.parts(obj) if part.key in spent]
+    displacement = mix.Moves().of(obj, parts)
+    forget(obj.data)
+    renewals = [follow(obj) for follow in FOLLOWERS]
+    become(obj, displacement, spent)
+    for renew in renewals:
+        renew()
+    masks.release(obj)
 
 
 def look_refusal(obj: bpy.types.Object | None) -> str | None:
@@ -71,19 +78,26 @@ def look_refusal(obj: bpy.types.Object | None) -> str | None:
         return reason
     if obj.mode != "OBJECT":
         return "Go to Object Mode first"
-    if obj.show_only_shape_key:
-        setting = obj.bl_rna.properties["show_only_shape_key"].name
-        return f"{setting} shows one shape key alone; turn it off first"
-    return None
+    return pinned_refusal(obj)
 
 
-def _note_animated(obj: bpy.types.Object, bands: list[Band]) -> None:
+def pinned_refusal(obj: bpy.types.Object) -> str | None:
+    """Why the mix of the bands is not what is shown; None if it is."""
+    if not obj.show_only_shape_key:
+        return None
+    setting = obj.bl_rna.properties["show_only_shape_key"].name
+    return f"{setting} shows one shape key alone; turn it off first"
+
+
+def note_unsettled(obj: bpy.types.Object, bands: list[Band], done: str) -> None:
+    """Note which bands are animated, and that they are ``done`` all the same; and which are soloed,
+    so that others do not count."""
     moving = [key.name for key in bands if keeping_of(record_of(obj)).animation_of(key, "value")]
     if moving:
-        note(f"animated, applied as they are on this frame: {listed(moving)}")
+        note(f"animated, {done}: {listed(moving)}")
     for record in records_of(obj):
         if record.solo:
-            note(f"of {record.name!r} one band is soloed, and is applied alone")
+            note(f"of {record.name!r} one band is soloed, and counts alone")
 
 
 def _copied(obj: bpy.types.Object) -> bpy.types.Object:
@@ -94,5 +108,6 @@ def _copied(obj: bpy.types.Object) -> bpy.types.Object:
     for collection in obj.users_collection:
         collection.objects.link(copy)
     take_place(copy, obj)
-    note(f"{obj.name!r} is hidden")
+    obj.hide_render = True
+    note(f"{obj.name!r} is hidden, in renders too")
     return copy

@@ -16,7 +16,7 @@ from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
-from ..scene.objects import Refusal
+from ..scene.objects import Refusal, user_of
 from ..scene.records import (
     bands_of,
     keeping_of,
@@ -115,6 +115,22 @@ def keep_flow(identifier: str, flow: Flow) -> None:
     flows[identifier] = flow
     while len({id(kept.split) for kept in flows.values()}) > MOST_FLOWS:
         del flows[next(iter(flows))]
+
+
+def parts_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """An object and those that were decomposed with it as one surface, as far as their flows are in
+    memory: one for each mesh, copies are none."""
+    identifier = record_of(obj).identifier
+    own, found = flows.get(identifier), [obj]
+    if own is None:
+        return found
+    for mesh in {each.data for each in bpy.data.objects if record_of(each) is not None}:
+        other = user_of(mesh)
+        theirs = record_of(other).identifier
+        is_other = theirs != identifier and theirs in flows
+        if is_other and flows[theirs].surface.mesh is own.surface.mesh:
+            found.append(other)
+    return found
 
 
 def flow_of(obj: bpy.types.Object) -> Flow:

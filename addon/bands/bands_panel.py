@@ -7,14 +7,27 @@ from spectral_tv.bands.gains import PRESETS
 
 from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
+from ..scene import lengths
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
-from . import filter_curve, list_panel, live_guard, mask_menu, sliders, spectrum
+from . import (
+    count,
+    curve_watch,
+    filter_curve,
+    list_panel,
+    live_guard,
+    mask_menu,
+    original,
+    remarks,
+    sliders,
+    spectrum,
+)
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look
 from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
+from .show_original import SPECTRAL_TV_OT_show_original
 from .take_bands import SPECTRAL_TV_OT_take_bands
 
 
@@ -49,8 +62,24 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             text = "Vertices or faces changed since. Decompose the mesh again"
             say(layout, context, text, "ERROR")
             return
-        self._draw_spectrum(layout, record, context.scene.unit_settings)
+        self._draw_spectrum(layout, record)
+        is_original = original.is_shown(obj)
+        # Above the sliders, so that it stays under the mouse whatever their number is.
+        row = layout.row()
+        row.enabled = operators.cut_refusal(obj) is None
+        row.prop(obj.data.spectral_tv_count, "bands")
+        remarks.draw(layout, context, obj.data, "count", count.state(record))
+        if is_original:
+            text = "The original is shown; the values of the bands are kept"
+            say(layout.box(), context, text, "INFO")
+        layout.operator(
+            SPECTRAL_TV_OT_show_original.bl_idname,
+            text="Show Look" if is_original else "Show Original",
+            icon="LOOP_BACK" if is_original else "LOOP_FORWARDS",
+            depress=is_original,
+        )
         column = layout.column(align=True)
+        column.enabled = not is_original
         sliders.draw_scale(column, bands_shown(obj), icons=4)
         for number, key in enumerate(bands_shown(obj), start=1):
             row = column.row(align=True)
@@ -74,10 +103,6 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, icon="CHECKMARK").place = "HERE"
         row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, text="", icon="DUPLICATE").place = "COPY"
         layout.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
-        row = layout.row(align=True)
-        row.prop(context.scene.spectral_tv, "bands")
-        cut = row.operator(operators.SPECTRAL_TV_OT_cut.bl_idname)
-        cut.bands = context.scene.spectral_tv.bands
 
     @staticmethod
     def _draw_limbs(
@@ -89,36 +114,31 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row.enabled = reason is None
         row.prop(obj.data.spectral_tv_limbs, "keep", slider=True)
         if reason is not None and record.identifier not in flows:
-            say(layout, context, f"{reason} to change it", "INFO")
+            say(layout, context, f"{reason} to change it or the number of bands", "INFO")
         sculpted = [band.key for band in record.bands if band.is_sculpted]
         if sculpted:
             verb = "was sculpted and stays" if len(sculpted) == 1 else "were sculpted and stay"
             say(layout, context, f"{', '.join(sculpted)} {verb}", "INFO")
 
     @staticmethod
-    def _draw_spectrum(
-        layout: bpy.types.UILayout, record: SpectralTVRecord, units: bpy.types.UnitSettings
-    ) -> None:
+    def _draw_spectrum(layout: bpy.types.UILayout, record: SpectralTVRecord) -> None:
         if not shows_research():
             ends = record.kept_spectrum[0, 0], record.bands[-1].end
-            layout.label(
-                text=" to ".join(_length(end, units) for end in ends), icon="ARROW_LEFTRIGHT"
-            )
+            layout.label(text=" to ".join(_length(end) for end in ends), icon="ARROW_LEFTRIGHT")
             return
         row = layout.split(factor=0.66)
         row.template_icon(spectrum.icon(record), scale=7.6)
         column = row.column(align=True)
         column.label(text="Finest")
-        column.label(text=_length(record.kept_spectrum[0, 0], units))
+        column.label(text=_length(record.kept_spectrum[0, 0]))
         column.separator(factor=3.5)
         column.label(text="Largest")
-        column.label(text=_length(record.bands[-1].end, units))
+        column.label(text=_length(record.bands[-1].end))
 
 
-def _length(time: float, units: bpy.types.UnitSettings) -> str:
+def _length(time: float) -> str:
     """The size of the features that vanish at a time, in the units of the scene."""
-    length = math.sqrt(time) * units.scale_length
-    return bpy.utils.units.to_string(units.system, "LENGTH", length, precision=2)
+    return lengths.told(math.sqrt(time))
 
 
 class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
@@ -154,17 +174,19 @@ class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
 
     bl_label = "Filter Curve"
 
-    def rows(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        node = filter_curve.find()
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        obj, node = context.active_object, filter_curve.find()
         if node is None:
             layout.operator(operators.SPECTRAL_TV_OT_add_curve.bl_idname, icon="FCURVE")
             return
+        curve_watch.look(node)
         layout.template_curve_mapping(node, "mapping")
         row = layout.row()
         row.label(text="Finest")
         right = row.row()
         right.alignment = "RIGHT"
         right.label(text="Largest")
+        remarks.draw(layout, context, obj.data, "curve", curve_watch.state(obj))
         layout.operator(operators.SPECTRAL_TV_OT_apply_curve.bl_idname)
 
 

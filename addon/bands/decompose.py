@@ -1,5 +1,6 @@
 """The operator that splits the active mesh into bands."""
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
@@ -7,18 +8,22 @@ from typing import Any
 import bpy
 import spectral_tv
 from bpy.props import BoolProperty
-from spectral_tv.bands.settings import ON_NEW_OBJECT
+from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..job.together import Together
 from ..scene.objects import distinct_meshes
+from ..scene.records import record_of
 from ..scene.surface import Surface
 from . import shown_shape
 from .adding import Part, add_bands
-from .bands import prepare_together, recall, start_split
+from .bands import parts_of, prepare_together, recall, start_split
 from .properties import DecompositionChoices
 from .replacing import check_replaced, replaced_identifiers
+
+# What follows when bands were written. Each is called with the object and the settings.
+WRITTEN: list[Callable[[bpy.types.Object, Settings], None]] = []
 
 
 @dataclass(frozen=True)
@@ -46,10 +51,16 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
     )
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        objects = distinct_meshes(bpy.context) if self.together else [obj]
+        if self.together:
+            objects = distinct_meshes(bpy.context)
+        else:
+            objects = parts_of(obj) if self._replaces_any(obj) else [obj]
         seen = [Seen.of(each) for each in objects]
         former = replaced_identifiers(objects, self.settings())
         return Prepared(seen, *prepare_together(objects, self.settings()), former)
+
+    def _replaces_any(self, obj: bpy.types.Object) -> bool:
+        return self.into == "REPLACE_ANY" and record_of(obj) is not None
 
     def recall(self, prepared: Prepared) -> spectral_tv.Decomposition | None:
         return recall(prepared.surfaces[0], prepared.arguments)
@@ -69,4 +80,7 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
             pairs = zip(objects, prepared.surfaces, strict=True)
             parts = [Part(*pair, prepared.arguments, result) for pair in pairs]
             as_one = f", in {len(objects)} objects as one" if len(objects) > 1 else ""
-            return add_bands(parts, self.settings()) + as_one
+            done = add_bands(parts, self.settings()) + as_one
+        for follow in WRITTEN:
+            follow(objects[0], self.settings())
+        return done

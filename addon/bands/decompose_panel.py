@@ -1,15 +1,17 @@
 """The panel that splits the active mesh, with its sub-panels."""
 
 import bpy
+from spectral_tv.bands.settings import INTO
 
 from ..drawing.sidebar import Sidebar, say
-from ..drawing.work import WorkPanel, draw_button, draw_fault, draw_needs
+from ..drawing.work import TALL, WorkPanel, draw_button, draw_fault, draw_needs
 from ..job import jobs
 from ..options import rows
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.modifiers import between
 from ..scene.objects import is_mesh, refusal, selected_meshes
 from ..scene.records import bands_shown, record_of
+from . import at_once
 from .decompose import SPECTRAL_TV_OT_decompose
 from .replacing import replaced, why_not
 from .shapes import remarks, vertex_count
@@ -20,9 +22,13 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
 
     bl_label = "Decompose"
 
+    def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        super().rows(context, layout)
+        at_once.draw(layout, context)
+
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         column = layout.column()
-        column.active = jobs.running() is None
+        column.active = jobs.running() is None or at_once.is_active()
         rows.draw(column, context.scene.spectral_tv, "method mask", obj=context.active_object)
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -42,7 +48,11 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
             draw_needs(layout, context, settings.needs(vertex_count(obj, settings)))
             draw_into(layout, context, former)
-        draw_button(layout, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
+        row = layout.row(align=True)
+        draw_button(row, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
+        switch = row.row()
+        switch.scale_y = TALL
+        switch.prop(choices, "at_once", text="", icon="FILE_REFRESH")
         if reason is None and len(selected_meshes(context)) > 1:
             together = draw_button(
                 layout,
@@ -65,9 +75,10 @@ def draw_into(
     active = record_of(obj)
     if active is None:
         return
-    row = layout.row()
+    row = layout.row(align=True)
     row.use_property_split = False
-    row.prop(choices, "into", expand=True)
+    for value, *_ in INTO:
+        row.prop_enum(choices, "into", value)
     if former is not None:
         say(layout, context, f"Replaces {former.name}; look kept", "INFO")
     elif choices.into == "REPLACE":

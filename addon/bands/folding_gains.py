@@ -33,10 +33,12 @@ class FoldingGains:
         self._counts: list[Counts] = []
         self._left = 0
 
-    def look(self, objects: Sequence[bpy.types.Object], label: str) -> None:
+    def look(
+        self, objects: Sequence[bpy.types.Object], label: str
+    ) -> list[list[bpy.types.ShapeKey]]:
         """Count, and clamp, what the bands of objects do that are one surface.
 
-        Raises Refusal or spectral_tv.MeshError.
+        Returns the keys of each that do it now. Raises Refusal or spectral_tv.MeshError.
         """
         bands = [[key for key in bands_of(obj) if key is not None] for obj in objects]
         pairs = zip(objects, bands, strict=True)
@@ -44,10 +46,12 @@ class FoldingGains:
         self._counts.append(found)
         is_added = any(key.value > 0 for keys in bands for key in keys)
         if self._is_safe and found and is_added:
-            self._clamp(objects, label)
-        elif found and not self._is_moving:
+            safe = self._clamp(objects, label)
+            return [[*keys, key] for keys, key in zip(bands, safe, strict=True)]
+        if found and not self._is_moving:
             advice = "; --safe clamps what they add" if is_added else ""
             note(f"at these gains {found.told()}{advice}")
+        return bands
 
     def note_frames(self) -> None:
         """Note what was found in frames."""
@@ -62,7 +66,7 @@ class FoldingGains:
         if self._left:
             note(f"in {self._left} frames faces still fold, stretch or cross others")
 
-    def _clamp(self, objects: Sequence[bpy.types.Object], label: str) -> None:
+    def _clamp(self, objects: Sequence[bpy.types.Object], label: str) -> list[bpy.types.ShapeKey]:
         with gathered() as left:
             clamping = Clamping.read(objects, GuardSettings(), every=False)
             with progress(f"{label}, clamping") as show:
@@ -73,7 +77,8 @@ class FoldingGains:
             key.value = 1.0
         if self._is_moving:
             self._left += bool(left)
-            return
+            return keys
         for text in left:
             note(text)
         note(f"{done}; the bands are at gain 1, and {listed(key.name for key in keys)} is shown")
+        return keys

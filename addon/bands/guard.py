@@ -61,13 +61,13 @@ class Reference:
 
     def __init__(self) -> None:
         """Know nothing so far."""
-        self._masks: dict[str, np.ndarray] = {}
+        self._moves = mix.Moves()
         self._corners: np.ndarray | None = None
         self._shape: np.ndarray | None = None
 
     def forget_masks(self) -> None:
         """Read the weights of vertex groups anew, as they may have changed."""
-        self._masks.clear()
+        self._moves.forget_masks()
 
     def counts(self, obj: bpy.types.Object, bands: Collection[bpy.types.ShapeKey]) -> Counts:
         """What the bands do at their present values.
@@ -79,9 +79,9 @@ class Reference:
             return Counts()
         others = [part for part in mix.parts(obj) if part.key not in bands]
         self._take_triangles(obj.data)
-        shape = basis_coordinates(obj.data) + self._moves(obj, others)
+        shape = basis_coordinates(obj.data) + self._moves.of(obj, others)
         self._take_shape(shape, distortion(obj))
-        return self._found(self._moves(obj, moving), STRETCH)
+        return self._found(self._moves.of(obj, moving), STRETCH)
 
     def counts_of(
         self, obj: bpy.types.Object, shape: np.ndarray, moves: Iterable[np.ndarray], stretch: float
@@ -90,20 +90,6 @@ class Reference:
         self._take_triangles(obj.data)
         self._take_shape(shape, distortion(obj))
         return [self._found(each, stretch) for each in moves]
-
-    def _moves(self, obj: bpy.types.Object, parts: Iterable[mix.Part]) -> np.ndarray:
-        """How far keys move the vertices, (V, 3)."""
-        moved = np.zeros((len(obj.data.vertices), 3))
-        for part in parts:
-            step = mix.key_displacement(part.key)
-            name = part.key.vertex_group
-            if name:
-                if name not in self._masks:
-                    self._masks[name] = mix.mask(obj, part.key)
-                step *= self._masks[name][:, np.newaxis]
-            step *= part.value
-            moved += step
-        return moved
 
     def _take_triangles(self, mesh: bpy.types.Mesh) -> None:
         corners = numbers(mesh.attributes[".corner_vert"].data, "value")

@@ -12,7 +12,7 @@ from spectral_tv.options.declaring import options_of
 from ..scene.fingerprints import Likeness
 from ..scene.objects import user_of
 from ..scene.records import keeping_of, recognise_bands, record_of
-from .bands import Flow, displacements, flow_of, flows, settings_of
+from .bands import Flow, displacements, flow_of, parts_of, settings_of
 from .set_bands import cut_refusal
 
 OPTION = options_of(Settings)["keep_limbs"]
@@ -54,18 +54,14 @@ def keep_limbs(obj: bpy.types.Object, amount: float) -> None:
     Objects that were decomposed as one with it follow. Bands that were sculpted stay as they are,
     and are noted. Raises Refusal as `flow_of`.
     """
-    own = flow_of(obj)
+    own, others = flow_of(obj), parts_of(obj)[1:]
     _keep_limbs(obj, own, amount)
-    for mesh in {other.data for other in bpy.data.objects if record_of(other) is not None}:
-        other = user_of(mesh)
-        identifier = record_of(other).identifier
-        is_other = identifier in flows and identifier != record_of(obj).identifier
-        if is_other and flows[identifier].surface.mesh is own.surface.mesh:
-            reason = cut_refusal(other)
-            if reason is None:
-                _keep_limbs(other, flow_of(other), amount)
-            else:
-                note(f"{other.name}, of the same surface, is left as it is: {reason}")
+    for other in others:
+        reason = cut_refusal(other)
+        if reason is None:
+            _keep_limbs(other, flow_of(other), amount)
+        else:
+            note(f"{other.name}, of the same surface, is left as it is: {reason}")
 
 
 def _keep_limbs(obj: bpy.types.Object, flow: Flow, amount: float) -> None:

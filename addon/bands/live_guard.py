@@ -1,7 +1,6 @@
 """The line under the sliders: how many faces the bands of all decompositions fold and stretch."""
 
 from dataclasses import dataclass
-from itertools import chain
 
 import bpy
 import spectral_tv
@@ -10,7 +9,7 @@ from ..drawing.sidebar import say
 from ..job.operator import Refusing
 from ..scene import listening
 from ..scene.mix import keys_of
-from ..scene.records import bands_shown, records_of
+from ..scene.records import all_bands_shown
 from .guard import Counts, Reference, distortion
 from .set_bands import bands_refusal
 
@@ -40,7 +39,7 @@ class _Watched:
         self.question: tuple | None = None
         self.line: Line | None = None
         self._awaited: tuple | None = None
-        self._sliders = _sliders(obj.data)
+        self._sliders = sliders_of(obj.data)
 
     def is_moving(self, question: tuple) -> bool:
         """Whether the answer is to wait, as sliders move. When they rest, panels are drawn anew."""
@@ -52,7 +51,7 @@ class _Watched:
     def count(self, obj: bpy.types.Object, question: tuple) -> Line:
         """Count anew."""
         try:
-            counts = self.reference.counts(obj, _bands(obj))
+            counts = self.reference.counts(obj, all_bands_shown(obj))
         except (spectral_tv.MeshError, MemoryError) as error:
             self.line = Line(f"Faces cannot be counted: {error}")
         else:
@@ -65,7 +64,7 @@ class _Watched:
 
         Masks take long to read. An update at which no slider has moved may be one of them.
         """
-        before, self._sliders = self._sliders, _sliders(mesh)
+        before, self._sliders = self._sliders, sliders_of(mesh)
         if self._sliders == before:
             self.reference.forget_masks()
         self.question = None
@@ -94,7 +93,7 @@ def line(context: bpy.types.Context) -> Line | None:
     obj = context.active_object
     if obj.mode not in MODES or obj.data.is_editmode or not obj.data.shape_keys.use_relative:
         return None
-    known, question = _watched.get(obj.session_uid), _question(obj)
+    known, question = _watched.get(obj.session_uid), question_of(obj)
     if known is not None and known.question == question:
         return known.line
     if context.screen is not None and context.screen.is_animation_playing:
@@ -116,7 +115,7 @@ def count(obj: bpy.types.Object) -> Line:
     _watched[obj.session_uid] = known
     while len(_watched) > MOST_KNOWN:
         del _watched[next(iter(_watched))]
-    return known.count(obj, _question(obj))
+    return known.count(obj, question_of(obj))
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -177,30 +176,24 @@ def _distrust(*_arguments: object) -> None:
         each.distrust()
 
 
-def _bands(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
-    """Those of all decompositions, as all of them are seen."""
-    found = (bands_shown(obj, record) for record in records_of(obj))
-    return [key for key in chain.from_iterable(found) if key is not None]
-
-
 def _triangles(mesh: bpy.types.Mesh) -> int:
     return len(mesh.loops) - 2 * len(mesh.polygons)
 
 
-def _sliders(mesh: bpy.types.Mesh) -> tuple:
+def sliders_of(mesh: bpy.types.Mesh) -> tuple:
     """What is changed by turning a slider of the panel, or by pressing something beside it."""
     keys = tuple((key.name, key.value, key.mute) for key in keys_of(mesh).values())
     return tuple(record.settings for record in mesh.spectral_tv.decompositions), keys
 
 
-def _question(obj: bpy.types.Object) -> tuple:
+def question_of(obj: bpy.types.Object) -> tuple:
     """All that the answer depends on, but for what Blender tells of by an update."""
     matrix = distortion(obj)
     return (
         obj.data.session_uid,
         None if matrix is None else matrix.tobytes(),
-        _sliders(obj.data),
-        tuple(key.name for key in _bands(obj)),
+        sliders_of(obj.data),
+        tuple(key.name for key in all_bands_shown(obj)),
         tuple(key.vertex_group for key in keys_of(obj.data).values()),
         obj.show_only_shape_key and obj.active_shape_key_index,
     )

@@ -14,13 +14,16 @@ from ..scene.records import bands_of, record_of
 def replaced(obj: bpy.types.Object, settings: Settings) -> SpectralTVRecord | None:
     """The decomposition whose place a new one takes; None if it is added.
 
-    It is the active one, if it was made by the same method and has the vertices that there are.
+    It is the active one, if it was made by the same method, unless any is replaced, and has the
+    vertices that there are.
     """
     record = record_of(obj)
-    if settings.into != "REPLACE" or settings.shape in ON_NEW_OBJECT or record is None:
+    if settings.into == "ADD" or settings.shape in ON_NEW_OBJECT or record is None:
         return None
-    has_vertices = record.vertex_count == len(obj.data.vertices)
-    return record if has_vertices and record.method == settings.method else None
+    if record.vertex_count != len(obj.data.vertices):
+        return None
+    is_alike = settings.into == "REPLACE_ANY" or record.method == settings.method
+    return record if is_alike else None
 
 
 def why_not(obj: bpy.types.Object, settings: Settings) -> str:

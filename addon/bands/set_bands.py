@@ -20,7 +20,7 @@ from ..scene.records import (
     renew_bands,
     topology_changed,
 )
-from . import filter_curve
+from . import filter_curve, original
 from .adding import cut_again
 from .bands import flows, set_values
 from .filtering import FilterSettings
@@ -31,16 +31,21 @@ LIMBS = options_of(Settings)["keep_limbs"]
 SAME_SCALES = 0.01
 
 
-def bands_refusal(obj: bpy.types.Object | None, override: bool = True) -> str | None:
+def bands_refusal(
+    obj: bpy.types.Object | None, override: bool = True, original_too: bool = False
+) -> str | None:
     """Why there are no bands to set, in a sentence for the user; None if there are.
 
-    A library override is a reason unless ``override`` allows it.
+    A library override is a reason unless ``override`` allows it, and so is the original that is
+    shown instead of the look unless ``original_too`` does.
     """
     if record_of(obj) is None:
         return "The active object has no bands; decompose it first"
     reason = refusal(obj, override=override)
     if reason is None and topology_changed(obj):
         reason = "Vertices or faces changed since; decompose the mesh again"
+    if reason is None and not original_too and original.is_shown(obj):
+        reason = original.REASON
     return reason
 
 
@@ -120,9 +125,14 @@ class SPECTRAL_TV_OT_apply_curve(BandsOperator, bpy.types.Operator):
     bl_label = "Apply Curve"
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        node = filter_curve.ensure()
-        count = len(record_of(obj).bands)
-        set_values(obj, curve_values(lambda position: filter_curve.evaluate(node, position), count))
+        apply_curve(obj)
+
+
+def apply_curve(obj: bpy.types.Object) -> None:
+    """Set every band of the active decomposition to the height of the curve above it."""
+    node = filter_curve.ensure()
+    count = len(record_of(obj).bands)
+    set_values(obj, curve_values(lambda position: filter_curve.evaluate(node, position), count))
 
 
 class SPECTRAL_TV_OT_solo(BandsOperator, bpy.types.Operator):

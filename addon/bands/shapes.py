@@ -13,7 +13,7 @@ from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 from ..scene.surface import Reading, Surface
 from ..scene.touching import touching
-from . import shown_shape
+from . import original, shown_shape
 from .replacing import replaced_bands
 
 
@@ -26,6 +26,9 @@ def read_surfaces(
     bands taken whose place new ones shall take. Raises Refusal or spectral_tv.MeshError if the
     objects cannot be read.
     """
+    for obj in objects:
+        if original.is_shown(obj) and settings.shape != "BASIS":
+            raise Refusal(original.REASON)
     if settings.shape in ON_NEW_OBJECT:
         if len(objects) > 1:
             raise Refusal(f"only one object at a time is decomposed as {_label(settings.shape)!r}")

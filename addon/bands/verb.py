@@ -9,18 +9,22 @@ from spectral_tv.bands.settings import Settings
 from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import listed, note
 from spectral_tv.options.arguments import add_arguments as add_options
-from spectral_tv.options.arguments import complaint
+from spectral_tv.options.arguments import complaint, read
 
 from ..command_line.formats import BLEND, FORMATS
 from ..command_line.frames_verb import FramesVerb
 from ..scene import applied, multires
 from ..scene.objects import Refusal
-from . import shown_shape
+from ..scene.records import all_bands_of, record_of
+from . import figures, limiting, shown_shape
 from .adding import Part, add_bands
+from .apply_argument import add_apply, apply_each, complaint_of_apply
 from .bands import prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
 from .gain_arguments import add_gains, band_values, complaint_of_gains
+from .held import Held
+from .limiting import LimitSettings
 from .shapes import told_groups
 from .write_back import write_back
 
@@ -57,6 +61,8 @@ All other formats hold the filtered shape."""
         FramesVerb.add_frames(parser, "split and filter what is seen")
         add_gains(parser)
         add_safe(parser)
+        add_options(parser, LimitSettings)
+        add_apply(parser)
 
     def complaint(self) -> str | None:
         """What is wrong with them together."""
@@ -65,13 +71,17 @@ All other formats hold the filtered shape."""
             return "--largest has to be larger than --finest"
         if reason is None and asked.shape == "MULTIRES" and self.choices.frames is not None:
             return "--shape multires is at rest, so it is not for --frames"
+        if reason is None and asked.shape == "MULTIRES" and self.choices.apply:
+            return "--apply is not for --shape multires, whose bands are on an object of their own"
+        reason = reason or complaint_of_apply(self.choices)
         reason = reason or complaint(self.choices, Settings, asked) or asked.complaint()
         return reason or complaint_of_gains(self.choices, asked.band_count)
 
     def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Give objects their bands; over frames, have them play their filtered shapes."""
-        self._folding = FoldingGains(self.choices)
+        self._folding, self._held = FoldingGains(self.choices), Held(self.choices)
         super().treat_all(objects)
+        self._held.note_frames()
         if self.choices.frames is not None:
             self._folding.note_frames()
 
@@ -114,9 +124,27 @@ All other formats hold the filtered shape."""
         add_bands([Part(*pair, arguments, split) for pair in pairs], asked)
         for obj in objects:
             set_values(obj, values)
-        self._folding.look(objects, label)
+        shown = self._folding.look(objects, label)
+        self._hold(objects, shown)
         if asked.shape == "MULTIRES":
             self._put_back(objects[0])
+        if self.choices.apply:
+            others = [all_bands_of(obj) for obj in objects]  # those that were in the file too
+            every = [list({*keys, *mine}) for keys, mine in zip(shown, others, strict=True)]
+            apply_each(objects, every)
+
+    def _hold(
+        self, objects: Sequence[bpy.types.Object], shown: Sequence[Sequence[bpy.types.ShapeKey]]
+    ) -> None:
+        """Hold what the keys that are shown of objects do within the limit, and measure it."""
+        limit = read(self.choices, LimitSettings).limit
+        found = []
+        for obj, keys in zip(objects, shown, strict=True):
+            found.append(limiting.limit(obj, keys, limit, [record_of(obj)]))
+        self._held.add([each for each in found if each is not None])
+        if self._held.is_measured:
+            for obj, keys in zip(objects, shown, strict=True):
+                self.measured[obj.name] = figures.figures(obj, keys)
 
     def _put_back(self, work: bpy.types.Object) -> None:
         """Give the levels the shape of a work object; only a .blend keeps that, with its bands."""

@@ -9,6 +9,7 @@ from ..scene import applied, multires, work_objects
 from ..scene.objects import Refusal, refusal, take_place
 from ..scene.places import is_kept_up
 from ..scene.temporary import Temporary
+from . import original
 
 # So far apart, relative to what they are, are transforms that differ.
 MOVED = 1e-5
@@ -49,6 +50,8 @@ def write_refusal(obj: bpy.types.Object | None) -> str | None:
         return "The object is no work object of a Multiresolution sculpt"
     if obj.mode != "OBJECT":
         return "Go to Object Mode first"
+    if original.is_shown(obj):
+        return original.REASON
     return work_objects.source_refusal(obj)
 
 

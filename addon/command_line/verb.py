@@ -166,7 +166,8 @@ class Verb(Command):
     """One about meshes.
 
     Of the input under work it knows the ``source``, the ``file`` to write, if any, what was
-    ``read``, and the names of the objects that were treated, those together that were one.
+    ``read``, the names of the objects that were treated, those together that were one, and what
+    was ``measured`` of them.
     """
 
     # What is done to objects, if its name does not say it, and what they are then.
@@ -176,6 +177,8 @@ class Verb(Command):
     file: Path | None
     read: Source
     done: list[list[str]]
+    # What was measured of objects, by their names, for the report.
+    measured: dict[str, Any]
 
     @staticmethod
     def formats() -> str:
@@ -223,9 +226,11 @@ class Verb(Command):
             reason = refusal(obj)
             if reason is not None:
                 raise Refusal(f"{obj.name}: {reason}")
-        self.done = []
+        self.done, self.measured = [], {}
         entry.done = {"verb": self.name, "settings": self.told(), "objects": self.done}
         self.treat_all(distinct)
+        if self.measured:
+            entry.done["deviation"] = self.measured
         if self.file is not None:
             entry.output = self.write(objects if names else None)
             for path in [entry.output] if isinstance(entry.output, str) else entry.output:

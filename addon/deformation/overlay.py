@@ -7,18 +7,14 @@ is recognised by identifiers.
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
+from ..drawing.views import is_seen, lifted, redraw_views
 from ..scene import listening
 from .constraints import deformation_of
 from .held import Held, Layer, Picked
 
 # How opaque the least and the greatest weight are.
 FAINTEST, STRONGEST = 0.12, 0.6
-# How far in front of the surface it is, relative to the distance from the eye; and relative to the
-# object's size where modifiers round what is drawn.
-LIFT, ROUNDED = 1e-3, 0.03
-
 # A scene, a view layer and an object, by their identifiers.
 Key = tuple[int, str, int]
 
@@ -63,8 +59,8 @@ def forget() -> None:
     _picked.clear()
     _moved.clear()
     listening.ignore(_handlers())
-    if bpy.app.timers.is_registered(redraw):
-        bpy.app.timers.unregister(redraw)
+    if bpy.app.timers.is_registered(redraw_views):
+        bpy.app.timers.unregister(redraw_views)
 
 
 def pick(obj: bpy.types.Object, picked: Picked | None) -> None:
@@ -72,15 +68,7 @@ def pick(obj: bpy.types.Object, picked: Picked | None) -> None:
     _picked.clear()
     if picked is not None:
         _picked[obj.session_uid] = picked
-    redraw()
-
-
-def redraw() -> None:
-    """Have all 3D views drawn anew."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw_views()
 
 
 def drawn(
@@ -135,18 +123,8 @@ def _draw() -> None:
         if key not in keys:
             del _known[key]
     for key, obj in zip(keys, shown, strict=True):
-        if graph is not None and obj.mode == "OBJECT" and _is_seen(obj, space, graph):
+        if graph is not None and obj.mode == "OBJECT" and is_seen(obj, space, graph):
             _draw_over(obj, graph, context, _known.setdefault(key, _Drawn()))
-
-
-def _is_seen(
-    obj: bpy.types.Object, space: bpy.types.SpaceView3D, graph: bpy.types.Depsgraph
-) -> bool:
-    """Whether a view shows it; Blender tells of local views in what was evaluated alone."""
-    layer = graph.view_layer
-    return obj.visible_get(view_layer=layer) and (
-        obj.evaluated_get(graph).visible_in_viewport_get(space)
-    )
 
 
 def _draw_over(
@@ -159,8 +137,8 @@ def _draw_over(
     theme = context.preferences.themes[0]
     chosen = tuple(theme.user_interface.axis_z), tuple(theme.view_3d.object_active)
     layer = known.held.layer(obj, graph, _picked.get(obj.session_uid))
-    if known.held.wait is not None and not bpy.app.timers.is_registered(redraw):
-        bpy.app.timers.register(redraw, first_interval=known.held.wait)
+    if known.held.wait is not None and not bpy.app.timers.is_registered(redraw_views):
+        bpy.app.timers.register(redraw_views, first_interval=known.held.wait)
     if not len(layer.corners):
         known.layer = known.batch = None
         return
@@ -177,23 +155,10 @@ def _draw_over(
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
     with gpu.matrix.push_pop():
-        gpu.matrix.load_matrix(_lifted(obj, world, layer, context) @ world)
+        gpu.matrix.load_matrix(lifted(obj, world, layer.is_exact, context) @ world)
         known.batch.draw(shader)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
-
-
-def _lifted(
-    obj: bpy.types.Object, world: Matrix, layer: Layer, context: bpy.types.Context
-) -> Matrix:
-    """From the world to the view, a little nearer to the eye at the same place of the picture."""
-    view, size = context.region_data.view_matrix, max(obj.dimensions)
-    if context.region_data.window_matrix[3][3] == 0:  # perspective
-        distance = max(-(view @ world.translation).z, size / 2)
-        lift = LIFT if layer.is_exact else min(LIFT + ROUNDED * size / distance, 0.5)
-        return Matrix.Diagonal((1 - lift, 1 - lift, 1 - lift, 1)) @ view
-    lift = max(LIFT * context.region_data.view_distance, 1e-6 * context.space_data.clip_end)
-    return Matrix.Translation((0, 0, lift if layer.is_exact else lift + ROUNDED * size)) @ view
 
 
 def _listen() -> None:

@@ -7,6 +7,7 @@ from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVect
 from mathutils import Vector
 from spectral_tv.notes import gathered, note
 
+from ..drawing.pointing import PASSED_ON, View, on_ray, pixel, ray, tell_next, view_under
 from ..job.operator import REFUSALS, ChangeOperator
 from ..scene.objects import Refusal, refusal
 from ..scene.weights import add_group
@@ -14,13 +15,8 @@ from . import constraints, overlay
 from .deform_operator import SPECTRAL_TV_OT_deform
 from .empties import constrain
 from .live_operator import SPECTRAL_TV_OT_deform_live
-from .picking import Patches, on_ray
-from .pointing import View, pixel, ray, view_under
+from .picking import Patches
 from .strokes import Strokes
-
-# Events that turn and zoom the view, or are of no account.
-PASSED_ON = ("HOME", "INBETWEEN", "MIDDLEMOUSE", "MOUSE", "NDOF", "NUMPAD", "TIMER", "TRACKPAD",
-             "WHEEL", "WINDOW")  # fmt: skip
 
 
 class SpectralTVPatch(bpy.types.PropertyGroup):
@@ -223,7 +219,8 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
             text += "Backspace: take back"
         else:
             text = "Click what stays   |   Drag outwards: more of it   |   Enter: hold nothing more"
-        _say(f"{self._message}   |   {text}" if self._message else text)
+        message = f"{self._message}   |   " if self._message else ""
+        tell_next(f"{constraints.HOLD_AND_PULL}: {message}{text}   |   Esc: cancel")
 
 
 def end() -> None:
@@ -232,20 +229,9 @@ def end() -> None:
     SPECTRAL_TV_OT_hold_and_pull.running = None
     if running is not None:
         overlay.pick(None, None)
-        _say(None)
+        tell_next(None)
         for window in bpy.context.window_manager.windows:
             window.cursor_modal_restore()
-
-
-def _say(text: str | None) -> None:
-    """Show what is next in the status bar and in the headers of 3D views, until it is None."""
-    told = None if text is None else f"{constraints.HOLD_AND_PULL}: {text}   |   Esc: cancel"
-    for workspace in bpy.data.workspaces:  # the user may go to another one meanwhile
-        workspace.status_text_set(told)
-    for screen in bpy.data.screens:
-        for area in screen.areas:
-            if area.type == "VIEW_3D":
-                area.header_text_set(told)
 
 
 def _counts(obj: bpy.types.Object) -> tuple[int, int, int]:

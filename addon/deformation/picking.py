@@ -7,6 +7,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.interpolate import poly_3d_calc
 
+from ..drawing.pointing import shown_mesh
 from ..scene import mix
 from ..scene.mirroring import mirrored
 from ..scene.modifiers import symmetries
@@ -42,7 +43,7 @@ class Patches:
 
         Raises Refusal if that is on no part of the surface.
         """
-        shown = _shown(obj)
+        shown = shown_mesh(obj)
         if len(shown.vertices) == len(obj.data.vertices) and (
             len(shown.polygons) == len(obj.data.polygons)
         ):
@@ -53,7 +54,7 @@ class Patches:
         """The patch around what is shown nearest to a ``point`` in the world."""
         local = obj.matrix_world.inverted_safe() @ point
         graph = bpy.context.evaluated_depsgraph_get()
-        _shown(obj)
+        shown_mesh(obj)
         is_found, place, _, polygon = obj.closest_point_on_mesh(local, depsgraph=graph)
         if not is_found:
             raise Refusal("no place on it is nearest to that point")
@@ -105,25 +106,3 @@ class Patches:
         is_nearest = (copies.places == np.nanargmin(away)).any(axis=0)
         seeds = self._surface.place[is_nearest & (self._surface.place >= 0)]
         return Spread(self._links, seeds, np.zeros(len(seeds)))
-
-
-def on_ray(obj: bpy.types.Object, origin: Vector, direction: Vector) -> tuple[int, Vector] | None:
-    """The polygon and the place, in object space, where a ray in the world meets what is shown.
-
-    Raises Refusal if nothing is.
-    """
-    _shown(obj)
-    to_object = obj.matrix_world.inverted_safe()
-    start = to_object @ origin
-    along = to_object.to_3x3() @ direction
-    graph = bpy.context.evaluated_depsgraph_get()
-    is_hit, place, _, polygon = obj.ray_cast(start, along.normalized(), depsgraph=graph)
-    return (polygon, place) if is_hit else None
-
-
-def _shown(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """What is shown of ``obj``; raises Refusal if it has no face."""
-    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    if len(mesh.polygons) == 0:
-        raise Refusal("its modifiers leave no face of it")
-    return mesh

@@ -13,6 +13,9 @@ from ..options.properties import give
 from ..scene.objects import is_mesh, refusal, selected_meshes
 from .sidebar import Sidebar, say
 
+# How much higher than others the buttons are that start work.
+TALL = 1.4
+
 
 class WorkPanel(Sidebar):
     """What is chosen, and a button that starts work; while it runs, how far it is."""
@@ -59,7 +62,7 @@ def draw_button(
 ) -> bpy.types.OperatorProperties:
     """Draw the button of an operator, which gets what was chosen."""
     row = layout.row()
-    row.scale_y = 1.4 if is_tall else 1.0
+    row.scale_y = TALL if is_tall else 1.0
     button = row.operator(operator.bl_idname, icon=icon, **more)
     if choices is not None:
         give(choices, button, operator)
@@ -102,6 +105,6 @@ def _draw_progress(layout: bpy.types.UILayout, context: bpy.types.Context) -> No
     """Draw what the job under way does, how far it is, and a button that cancels it."""
     progress = context.window_manager.spectral_tv.progress
     row = layout.row(align=True)
-    row.scale_y = 1.4
+    row.scale_y = TALL
     row.progress(text=f"{jobs.running().message} ({progress:.0%})", factor=progress)
     row.operator(SPECTRAL_TV_OT_cancel.bl_idname, text="", icon="CANCEL")

@@ -48,20 +48,36 @@ def _row(column: bpy.types.UILayout, choices: Any, settings: Any, name: str, obj
         # The values of several stand below one another.
         row = column.row() if option.dims else column.column(align=option.kind == "several")
         row.active = is_in_force
-        row.prop(choices, name)
+        row.prop(choices, _shown(choices, name, option, name))
+
+
+def _shown(choices: Any, name: str, option: Option, otherwise: str) -> str:
+    """The property that shows an option: a length, if it is the size of something that is known."""
+    is_length = option.is_size and choices.object_size() is not None
+    return f"length_{name}" if is_length else otherwise
 
 
 def _share(column: bpy.types.UILayout, choices: Any, options: dict[str, Option], name: str) -> None:
     """A share, with its switch unless it has that in common with others."""
     switch = options[name].switch[0]
+    shown = _shown(choices, name, options[name], f"shown_{name}")
     if sum(each.switch[0] == switch for each in options.values()) > 1:
-        column.prop(choices, f"shown_{name}")
+        row = column.row(align=True)
+        row.prop(choices, shown)
+        _picker(row, choices, name, options[name])
         return
     row = column.row(heading=options[name].label)
     row.prop(choices, switch, text="")
-    field = row.row()
+    field = row.row(align=True)
     field.enabled = getattr(choices, switch)
-    field.prop(choices, f"shown_{name}", text="")
+    field.prop(choices, shown, text="")
+    _picker(field, choices, name, options[name])
+
+
+def _picker(row: bpy.types.UILayout, choices: Any, name: str, option: Option) -> None:
+    """The button that picks a size in the view."""
+    if option.is_size and choices.picker:
+        row.operator(choices.picker, text="", icon="EYEDROPPER").option = name
 
 
 def _search(column: bpy.types.UILayout, choices: Any, name: str, option: Option, obj: Any) -> None:

@@ -13,13 +13,14 @@ import spectral_tv
 from spectral_tv.bands.settings import Settings
 from spectral_tv.notes import listed, note
 
+from ..bands import limiting
 from ..bands.adding import Part, add_bands
 from ..bands.bands import prepare_together, recall, set_values, start_split
 from ..bands.clamping import least_of_copies
 from ..bands.guard import STRETCH
 from ..bands.replacing import check_replaced, replaced_identifiers
 from ..job.steps import Steps
-from ..scene import results
+from ..scene import lengths, results
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import activate, bands_of, record_of, records_of
 from ..scene.results import Piece
@@ -61,10 +62,16 @@ class Making:
     noise: Noise | None
     former: list[str]
     replaced: list[str]
+    # How far a vertex may be moved, in the scene's unit; 0 is no limit.
+    limit: float = 0.0
 
     @classmethod
     def prepare(
-        cls, objects: Sequence[bpy.types.Object], recipe: Recipe, strength: float
+        cls,
+        objects: Sequence[bpy.types.Object],
+        recipe: Recipe,
+        strength: float,
+        limit: float = 0.0,
     ) -> "Making":
         """Read the objects; raises Refusal or spectral_tv.MeshError if that cannot be done."""
         former = [_former(obj, recipe) for obj in objects]
@@ -85,7 +92,7 @@ class Making:
         names = [
             record.name if record is not None and into == "REPLACE" else "" for record in former
         ]
-        return cls(recipe, strength, settings, surfaces, arguments, noise, names, replaced)
+        return cls(recipe, strength, settings, surfaces, arguments, noise, names, replaced, limit)
 
     def recall(self) -> Made | None:
         """What is made, if that is known without work."""
@@ -136,6 +143,14 @@ class Making:
         found = f"; {made.told}" if made.told else ""
         return f"{self.recipe.name} at {self.strength:g}{found}; {done}"
 
+    def hold(self, objects: Sequence[bpy.types.Object]) -> list[limiting.Limited]:
+        """Hold what was written within the limit, of each object; tells nothing without one."""
+        found = []
+        for obj in objects:
+            bands = [band for band in bands_of(obj) if band is not None]
+            found.append(limiting.limit(obj, bands, self.limit, [record_of(obj)]))
+        return [each for each in found if each is not None]
+
     def _dialled(self, split: spectral_tv.Decomposition) -> tuple[np.ndarray, list[float]]:
         """The bands (K, N, 3), and their values."""
         edges = split.band_edges(self.settings.band_count)
@@ -164,13 +179,8 @@ class Making:
         self, split: spectral_tv.Decomposition, bands: np.ndarray, values: list[float]
     ) -> Made:
         noise = self.noise
-        length = bpy.utils.units.to_string(
-            bpy.context.scene.unit_settings.system,
-            "LENGTH",
-            noise.size * bpy.context.scene.unit_settings.scale_length,
-            precision=3,
-        )
-        told = f"noise of {length} found, {100 * noise.share:.2g} % of the edges' length"
+        size = lengths.told(noise.size)
+        told = f"noise of {size} found, {100 * noise.share:.2g} % of the edges' length"
         least = f"hardly any noise: less than {100 * LEAST:g} % of the edges' length"
         notes = (least,) if noise.share < LEAST else ()
         if not any(values):
@@ -187,10 +197,13 @@ class Making:
         masked = []
         for obj, name in zip(objects, self.former, strict=True):
             mine = self._masks(obj)
-            bands = filter(None, bands_of(obj)) if name else ()
-            masked += [(band, band.vertex_group) for band in bands if band.vertex_group in mine]
-        for band, _ in masked:
-            band.vertex_group = ""
+            bands = [*filter(None, bands_of(obj))] if name else []
+            masked += [(band, band.vertex_group) for band in bands]
+            for band, own in limiting.lifted(obj, bands).items():
+                band.vertex_group = own
+            for band in bands:
+                if band.vertex_group in mine:
+                    band.vertex_group = ""
         try:
             yield
         except BaseException:

@@ -40,23 +40,26 @@ class SPECTRAL_TV_MT_own_recipes(bpy.types.Menu):
         self.layout.operator(SPECTRAL_TV_OT_recipe_import.bl_idname, icon="IMPORT")
         self.layout.operator(SPECTRAL_TV_OT_recipe_export.bl_idname, icon="EXPORT")
         self.layout.separator()
+        chosen = context.scene.spectral_tv_recipe
         names = {str(path): recipe.name for path, recipe in own.own()}
         self.path_menu(
             bpy.utils.preset_paths(own.FOLDER),
             SPECTRAL_TV_OT_recipe.bl_idname,
             prop_filepath="recipe",
-            props_default={"strength": context.scene.spectral_tv_recipe.strength},
+            props_default={"strength": chosen.strength, "limit": chosen.limit},
             filter_ext=lambda extension: extension.lower() == own.EXTENSION,
             display_name=lambda path: names.get(path, bpy.path.display_name(path)),
             add_operator=SPECTRAL_TV_OT_recipe_preset.bl_idname,
         )
 
 
-def button(layout: bpy.types.UILayout, name: str, icon: str, strength: float | None = None) -> None:
+def button(
+    layout: bpy.types.UILayout, name: str, icon: str, strength: float = 1.0, limit: float = 0.0
+) -> None:
     """Draw the button of a recipe."""
     operator = layout.operator(SPECTRAL_TV_OT_recipe.bl_idname, text=name, icon=icon)
     operator.recipe = name
-    operator.strength = 1.0 if strength is None else strength
+    operator.strength, operator.limit = strength, limit
 
 
 def add() -> None:

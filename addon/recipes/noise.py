@@ -7,6 +7,8 @@ from functools import cached_property
 import numpy as np
 import spectral_tv
 
+from ..scene.normals import vertex_normals
+
 # Below this share of the edge length noise cannot be told from the curvature of a shape.
 LEAST = 0.02
 # A filter that took all noise would take the shape along, so that much of it is taken.
@@ -80,7 +82,7 @@ class Noise:
         """
         vertices, triangles = mesh.vertices, mesh.triangles
         neighbours = Neighbours.of(triangles, len(vertices))
-        normals = _normals(vertices, triangles)
+        normals = vertex_normals(vertices, triangles)
         left = sum(
             neighbours.bilaplacian(axis) * normal
             for axis, normal in zip(vertices.T, normals.T, strict=True)
@@ -136,17 +138,3 @@ class Noise:
 def _spread(values: np.ndarray) -> float:
     """The standard deviation of normal values of mean 0, by the smallest of them."""
     return float(np.quantile(np.abs(values), SMALLEST)) / SMALL
-
-
-def _normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Normals of vertices, (N, 3); 0 where there is none."""
-    one, two, three = (vertices[corner] for corner in triangles.T)
-    across = np.cross(two - one, three - one)
-    found = np.column_stack(
-        [
-            sum(np.bincount(corner, axis, len(vertices)) for corner in triangles.T)
-            for axis in across.T
-        ]
-    )
-    lengths = np.linalg.norm(found, axis=1, keepdims=True)
-    return found / np.where(lengths > 0, lengths, 1)

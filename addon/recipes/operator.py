@@ -46,7 +46,7 @@ class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
         if others:
             left = "mesh stays as it is" if others == 1 else "meshes stay as they are"
             note(f"recipes are of the active object alone: the other selected {left}")
-        return Prepared(Seen.of(obj), Making.prepare([obj], recipe, asked.strength))
+        return Prepared(Seen.of(obj), Making.prepare([obj], recipe, asked.strength, asked.limit))
 
     def recall(self, prepared: Prepared) -> Made | None:
         return prepared.making.recall()
@@ -55,4 +55,6 @@ class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
         return prepared.making.start()
 
     def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Made) -> str:
-        return prepared.making.write(all_unchanged([prepared.seen]), result)
+        objects = all_unchanged([prepared.seen])
+        done = prepared.making.write(objects, result)
+        return "; ".join([*(each.told() for each in prepared.making.hold(objects)), done])

@@ -20,9 +20,10 @@ class SPECTRAL_TV_PT_recipes(WorkPanel, bpy.types.Panel):
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         layout.prop(context.scene.spectral_tv_recipe, "strength", slider=True)
+        layout.prop(context.scene.spectral_tv_recipe, "limit")
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        strength = context.scene.spectral_tv_recipe.strength
+        chosen = context.scene.spectral_tv_recipe
         reason = refusal(context.active_object)
         if reason is not None:
             say(layout, context, reason, "INFO")
@@ -31,4 +32,4 @@ class SPECTRAL_TV_PT_recipes(WorkPanel, bpy.types.Panel):
         draw_fault(layout, context)
         grid = layout.grid_flow(columns=2, row_major=True, align=True, even_columns=True)
         for recipe in RECIPES:
-            button(grid, recipe.name, "NONE", strength)
+            button(grid, recipe.name, "NONE", chosen.strength, chosen.limit)

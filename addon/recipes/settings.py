@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from spectral_tv.options.declaring import name_of, number
 
+from ..bands.limiting import limit_option
 from . import own
 
 
@@ -13,7 +14,7 @@ def _names(_choices, _context, _text: str) -> list[str]:
 
 @dataclass(frozen=True)
 class RecipeSettings:
-    """A recipe by its name, or the path of its file, and its strength."""
+    """A recipe by its name, or the path of its file; its strength; how far it may move vertices."""
 
     recipe: str = name_of(
         "Recipe", "The name of a recipe, or the path of its file", "Exaggerate Skin",
@@ -23,3 +24,4 @@ class RecipeSettings:
         "Strength", "0 changes nothing, 1 is usual, 2 is twice as much", 1, 0, 5,
         soft_most=2, digits=2, place="strength"
     )  # fmt: skip
+    limit: float = limit_option(place="strength")

@@ -8,9 +8,13 @@ from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import note
 from spectral_tv.options.arguments import add_arguments as add_options
 
+from ..bands import figures
+from ..bands.apply_argument import add_apply, apply_each, complaint_of_apply
+from ..bands.held import Held
 from ..bands.shapes import told_groups
 from ..command_line.frames_verb import FramesVerb
 from ..scene.objects import Refusal
+from ..scene.records import all_bands_of, bands_of
 from . import own
 from .making import Making
 from .recipes import RECIPES
@@ -42,6 +46,7 @@ formats hold the shape that is seen."""
         super().add_arguments(parser)
         add_options(parser, RecipeSettings)
         FramesVerb.add_frames(parser, "do so to what is seen")
+        add_apply(parser)
 
     def complaint(self) -> str | None:
         """What is wrong with them together."""
@@ -51,15 +56,22 @@ formats hold the shape that is seen."""
                 own.find(self.asked.recipe)
             except Refusal as error:
                 return f"--recipe: {error}"
-        return reason
+        return reason or complaint_of_apply(self.choices)
 
     def groups(self, objects: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
         """The objects, those together whose open edges meet."""
         return told_groups(objects, own.find(self.asked.recipe).settings)
 
+    def treat_all(self, objects: list[bpy.types.Object]) -> None:
+        """Give objects the look, as they are or in frames."""
+        self._held = Held(self.choices)
+        super().treat_all(objects)
+        self._held.note_frames()
+
     def treat(self, objects: Sequence[bpy.types.Object], label: str) -> None:
         """Give objects the look."""
-        making = Making.prepare(objects, own.find(self.asked.recipe), self.asked.strength)
+        asked = self.asked
+        making = Making.prepare(objects, own.find(asked.recipe), asked.strength, asked.limit)
         made = making.recall()
         if made is None:
             with progress(label) as show:
@@ -67,3 +79,11 @@ formats hold the shape that is seen."""
         making.write(objects, made)
         if made.told and self.choices.frames is None:
             note(made.told)
+        self._held.add(making.hold(objects))
+        bands = [[band for band in bands_of(obj) if band is not None] for obj in objects]
+        if self._held.is_measured:
+            for obj, mine in zip(objects, bands, strict=True):
+                self.measured[obj.name] = figures.figures(obj, mine)
+        if self.choices.apply:
+            every = [all_bands_of(obj) for obj in objects]  # those that were in the file too
+            apply_each(objects, every)

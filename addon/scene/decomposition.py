@@ -27,6 +27,10 @@ class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
         name="Was Muted", description="Before another band was soloed",
         override={"LIBRARY_OVERRIDABLE"}
     )  # fmt: skip
+    was_silent: BoolProperty(
+        name="Was Silent", description="It was muted before the original was shown",
+        override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
 
 
 class SpectralTVSample(bpy.types.PropertyGroup):
@@ -67,12 +71,23 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     scale: FloatProperty(
         name="Scale", description="Of the object in world space then; 0 if that is not known"
     )
+    is_part: BoolProperty(
+        name="Part", description="Its object was decomposed together with others, as one surface"
+    )
     topology: StringProperty(name="Topology", description="Digest of the polygons")
     vertex_count: IntProperty(name="Vertices")
     corner_count: IntProperty(name="Face Corners")
     solo: IntProperty(
         name="Solo", description="The band that is heard alone, from 1; 0 if none is",
         override={"LIBRARY_OVERRIDABLE"}
+    )  # fmt: skip
+    limit: FloatProperty(
+        name="Limit", description="How far its bands may move a vertex, in the scene's unit, since "
+        "that was limited; 0 if it was not", subtype="DISTANCE"
+    )  # fmt: skip
+    shows_original: BoolProperty(
+        name="Shows Original", description="Its bands are muted for a while, to show what is "
+        "without them", override={"LIBRARY_OVERRIDABLE"}
     )  # fmt: skip
     bands: CollectionProperty(type=SpectralTVBand, override={"LIBRARY_OVERRIDABLE"})
     components: StringProperty(

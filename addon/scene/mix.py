@@ -1,6 +1,6 @@
 """The shape that relative shape keys show: Basis, and what each key adds to it at its value."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import bpy
@@ -21,6 +21,32 @@ class Part:
         """What it adds to Basis, (V, 3) in object space, at its value and within its mask."""
         scale = self.value * mask(obj, self.key)
         return scale[:, np.newaxis] * key_displacement(self.key)
+
+
+class Moves:
+    """How far keys move the vertices; the weights of vertex groups are kept until forgotten."""
+
+    def __init__(self) -> None:
+        """Know no weights so far."""
+        self._masks: dict[str, np.ndarray] = {}
+
+    def forget_masks(self) -> None:
+        """Read the weights of vertex groups anew, as they may have changed."""
+        self._masks.clear()
+
+    def of(self, obj: bpy.types.Object, parts: Iterable[Part]) -> np.ndarray:
+        """What keys move together, (V, 3) in object space."""
+        moved = np.zeros((len(obj.data.vertices), 3))
+        for part in parts:
+            step = key_displacement(part.key)
+            name = part.key.vertex_group
+            if name:
+                if name not in self._masks:
+                    self._masks[name] = mask(obj, part.key)
+                step *= self._masks[name][:, np.newaxis]
+            step *= part.value
+            moved += step
+        return moved
 
 
 def keys_of(mesh: bpy.types.Mesh) -> Mapping[str, bpy.types.ShapeKey]:

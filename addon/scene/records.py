@@ -193,6 +193,12 @@ def bands_shown(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -
     return [there[name] if name else None for name in _shown[question][record.identifier]]
 
 
+def all_bands_shown(obj: bpy.types.Object) -> list[Band]:
+    """What `all_bands_of` gives, for panels."""
+    found = (bands_shown(obj, record) for record in records_of(obj))
+    return [band for bands in found for band in bands if band is not None]
+
+
 # The last answer.
 _shown: dict[tuple, dict[str, list[str]]] = {}
 

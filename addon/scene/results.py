@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, IntProperty, PointerProperty, StringProperty
 from spectral_tv.notes import note
 
 from .contents import TYPES
@@ -60,6 +60,13 @@ class SpectralTVMesh(bpy.types.PropertyGroup):
     table: PointerProperty(type=bpy.types.Text, name="Table", description="Of values over time")
     picture: PointerProperty(type=bpy.types.Image, name="Picture", description="Of the same")
     accuracy: PointerProperty(type=bpy.types.Text, name="Accuracy", description="Of its bands")
+    deviation: PointerProperty(type=bpy.types.Text, name="Deviation", description="By its bands")
+    shows_deviation: BoolProperty(
+        name="Show Deviation",
+        description="Show in color how far the bands of all decompositions move the surface: "
+        "outwards in red, inwards in blue. It follows the sliders",
+        override={"LIBRARY_OVERRIDABLE"},
+    )
     documents: CollectionProperty(type=SpectralTVDocument)
 
 

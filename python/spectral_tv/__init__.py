@@ -14,6 +14,9 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 >>> mesh = spectral_tv.Mesh(vertices, triangles, weld=1e-6)  # joins near corners
 >>> bands[:, mesh.weld_map]                            # at the vertices that were handed in
 
+>>> mesh = spectral_tv.Mesh.of(surface)                # of trimesh, meshio, PyVista or Open3D
+>>> spectral_tv.in_kind(surface, smooth)               # and a copy of it with other vertices
+
 >>> bent = spectral_tv.deform(mesh, indices, targets)  # the others follow in rigid pieces
 >>> bent.vertices, bent.gap                            # (V, 3), and how near to the optimum
 
@@ -74,6 +77,7 @@ from spectral_tv._results import (
     SafeDisplacement,
 )
 from spectral_tv._rig import rig, start_rig
+from spectral_tv._surfaces import in_kind
 from spectral_tv._thickness import start_thickness, thickness
 from spectral_tv._threads import use_threads
 
@@ -117,6 +121,7 @@ __all__ = [
     "flow",
     "folds",
     "graded_times",
+    "in_kind",
     "pose",
     "rig",
     "safe_displacement",

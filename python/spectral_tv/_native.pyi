@@ -40,6 +40,12 @@ class Mesh:
         weld: float | None = None,
         broken: Literal["refuse", "drop"] = "refuse",
     ) -> Mesh: ...
+    @staticmethod
+    def of(
+        surface: object,
+        weld: float | None = None,
+        broken: Literal["refuse", "drop"] = "refuse",
+    ) -> Mesh: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from ball import ball
+from command_line_files import load, meshes, run, write_monkey
 from contents import contents, differences
 from deform_scene import coordinates, evaluated, key_positions
 from rigged_body import add_face_keys, add_rig, poses
@@ -55,6 +56,7 @@ def test_a_copy_leaves_the_object_as_it_was(body):
     bpy.ops.spectral_tv.apply_look(place="COPY")
     copy = bpy.context.active_object
     assert copy.name == "Body Look" and body.hide_get() and body.data != copy.data
+    assert body.hide_render and not copy.hide_render
     for one, other in zip(poses(copy), seen, strict=True):
         np.testing.assert_allclose(one, other, atol=2e-6)
     after = contents()
@@ -85,3 +87,23 @@ def test_bands_that_do_nothing_are_refused(body):
         bpy.ops.spectral_tv.apply_look()
     body.show_only_shape_key = False
     assert not differences(before, contents())
+
+
+@pytest.mark.parametrize("verb", ["recipe", "decompose"])
+def test_the_command_line_writes_looks_without_bands(verb, tmp_path, capfd):
+    source = write_monkey(tmp_path / "monkey.ply")
+    own = {
+        "recipe": ["--recipe", "Exaggerate Skin", "--strength", "2"],
+        "decompose": ["--bands", "3", "--gain", "1=5", "--gain", "2=4", "--gain", "3=3", "--safe"],
+    }[verb]
+    shapes = []
+    for name, more in (("dialled.blend", []), ("applied.blend", ["--apply"])):
+        target = tmp_path / name
+        assert run([verb, str(source), "-o", str(target), *own, *more]) == 0
+        load(target)
+        shapes.append(evaluated(meshes()[0]))
+        assert (meshes()[0].data.shape_keys is None) == bool(more)
+    np.testing.assert_allclose(shapes[1], shapes[0], atol=2e-6)
+    assert "became the shape of 'monkey'" in capfd.readouterr().err
+    assert run([verb, str(source), "-o", str(target), *own, "--apply", "--frames", "1-2"]) == 2
+    assert "--apply is not for --frames" in capfd.readouterr().err

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import spectral_tv
 from spectral_tv.bands import gains
-from spectral_tv.bands.settings import Settings as settings
+from spectral_tv.bands.settings import Settings
 
 EXTENSION = "bl_ext.user_default.spectral_tv"
 
@@ -286,7 +286,7 @@ def test_the_flow_is_recalled_until_the_shape_or_the_steps_change(banded):
     bpy.ops.spectral_tv.decompose(bands=4, steps=12)
 
     def is_recalled(**choices) -> bool:
-        return bands.recall(*bands.prepare(banded, settings(**choices))) is not None
+        return bands.recall(*bands.prepare(banded, Settings(**choices))) is not None
 
     assert is_recalled(bands=4, steps=12)
     assert is_recalled(bands=7, steps=12)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from importlib import import_module
 from pathlib import Path
 
 import bpy
@@ -11,8 +10,8 @@ import numpy as np
 import pytest
 import spectral_tv
 from ball import saved_and_loaded
-from conftest import MODULE
 from mathutils import Euler, Matrix
+from spectral_tv.bands.methods import METHODS
 
 
 def coordinates(data) -> np.ndarray:
@@ -42,7 +41,7 @@ def test_adds_one_key_per_band_after_basis(monkey, method):
     assert bpy.ops.spectral_tv.decompose(method=method, bands=4, steps=12) == {"FINISHED"}
     keys = monkey.data.shape_keys
     names = [key.name for key in keys.key_blocks]
-    label = import_module("spectral_tv.bands.methods").METHODS[method].label
+    label = METHODS[method].label
     assert names == ["Basis", *(f"{label} Band {band}" for band in range(1, 5))]
     assert keys.use_relative
     for key in keys.key_blocks[1:]:

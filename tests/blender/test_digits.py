@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import struct
-from importlib import import_module
 from pathlib import Path
 
 import bpy

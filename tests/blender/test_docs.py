@@ -20,14 +20,16 @@ EXAMPLES = {
 FILES = {
     "README.md-1": ["monkey.blend"],
     "scripting.md-1": ["stylize.json", "stylized.blend"],
-    "scripting.md-2": ["smooth.blend"],
-    "scripting.md-3": ["safe.blend"],
-    "scripting.md-6": ["masked.blend"],
-    "scripting.md-7": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
-    "scripting.md-9": ["ear.blend"],
-    "scripting.md-10": ["mask.blend", "mask.csv"],
-    "scripting.md-11": ["smooth.png"],
-    "scripting.md-20": ["splits.pickle"],
+    "scripting.md-2": ["deviation.json", "clean.blend"],
+    "scripting.md-3": ["smooth.blend"],
+    "scripting.md-4": ["safe.blend"],
+    "scripting.md-7": ["masked.blend"],
+    "scripting.md-8": ["swelling.blend", *(f"frames/{frame:04}.png" for frame in range(1, 5))],
+    "scripting.md-10": ["ear.blend"],
+    "scripting.md-11": ["mask.blend", "mask.csv"],
+    "scripting.md-12": ["smooth.png"],
+    "scripting.md-19": ["smooth.ply"],
+    "scripting.md-22": ["splits.pickle"],
 }
 
 

@@ -11,6 +11,7 @@ import spectral_tv
 from ball import object_of
 from conftest import MODULE
 from shapes import dumbbell
+from spectral_tv.notes import gathered
 
 VERTICES, FACES = dumbbell(n_around=32, n_along=64)
 
@@ -63,7 +64,7 @@ def test_elements_are_chosen_and_told(obj):
 
 def test_a_set_on_a_large_mesh_is_told_to_flow_on_vertices():
     settings = import_module(f"{MODULE}.attributes.settings")
-    with import_module("spectral_tv.notes").gathered() as notes:
+    with gathered() as notes:
         large = (np.arange(250_001) < 9).astype(float)[:, np.newaxis]
         assert settings.chosen_elements("AUTOMATIC", large) == "vertices"
         assert settings.chosen_elements("EDGES", large) == "edges"

@@ -7,8 +7,8 @@ import pytest
 
 ADDON = Path(__file__).resolve().parents[2] / "addon"
 # Each may import of those before it.
-LAYERS = ("native", "files", "scene", "options", "job", "drawing", "command_line", "features")
-FEATURES = {"bands", "deformation", "segmentation", "attributes", "images", "recipes"}
+LAYERS = ("native", "scene", "options", "job", "drawing", "command_line", "features")
+FEATURES = {"bands", "deviation", "deformation", "segmentation", "attributes", "images", "recipes"}
 # Of the features, whose bands the others split and filter.
 SHARED = "bands"
 # What puts all together.
@@ -49,7 +49,7 @@ def layer(module: str) -> int:
 
 def test_every_file_is_found():
     found = imports()
-    assert "scene.notes" in found["bands.bands"]
+    assert "scene.results" in found["recipes.making"]
     assert {"bands", "images"} <= found["registration"]
     assert {module.partition(".")[0] for module in found} <= {*LAYERS, *FEATURES, *ABOVE}
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass
-from importlib import import_module
 
 import bpy
 import pytest
-from conftest import MODULE
 from spectral_tv.bands.settings import Settings
+from spectral_tv.options import arguments, declaring
 
-declaring, arguments = (
-    import_module(f"{MODULE}.options.{name}") for name in ("declaring", "arguments")
-)
 KINDS = (("ROUND", "Round", "Without corners"), ("FLAT", "Flat", "Without height"))
 FLAT = declaring.Only("kind", ["FLAT"])
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import json
 import os
-from importlib import import_module
 from pathlib import Path
 
 import bpy
@@ -55,7 +54,18 @@ def test_a_line_says_what_was_read_done_lost_and_written(tmp_path: Path):
 
 def test_settings_that_count_are_in_the_report_alone(tmp_path: Path):
     source, report = write_monkey(tmp_path / "monkey.ply"), tmp_path / "report.jsonl"
-    every = {"method", "bands", "shape", "weld", "leave_out", "apart", "gains", "safe"}
+    every = {
+        "method",
+        "bands",
+        "shape",
+        "weld",
+        "leave_out",
+        "apart",
+        "gains",
+        "safe",
+        "limit",
+        "apply",
+    }
     for options, own in (
         ([], {"steps", "soft_edges", "keep_limbs"}),
         (["--finest", "2"], {"steps", "finest", "soft_edges", "keep_limbs"}),

@@ -13,7 +13,7 @@ from ball import object_of
 from conftest import MODULE
 from contents import contents, differences
 from shapes import icosphere
-from spectral_tv.bands.settings import Settings as settings
+from spectral_tv.bands.settings import Settings
 
 VERTICES, FACES = icosphere(3)
 CAP = VERTICES[:, 2] > 0.5
@@ -450,7 +450,7 @@ def test_a_decomposition_that_fails_leaves_the_bands_that_were_there(sphere):
     whole = import_module(f"{MODULE}.scene.whole").whole
     bpy.ops.spectral_tv.decompose(bands=2, steps=6)
     before = contents()
-    chosen = settings(bands=3, steps=6, into="ADD")
+    chosen = Settings(bands=3, steps=6, into="ADD")
     surface, arguments = bands.prepare(sphere, chosen)
     split = spectral_tv.decompose(surface.mesh, **arguments)
     with pytest.raises(ZeroDivisionError), whole(sphere):

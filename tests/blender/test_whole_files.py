@@ -7,7 +7,6 @@ import os
 import stat
 import sys
 import threading
-from importlib import import_module
 from pathlib import Path
 
 import bpy
@@ -15,11 +14,8 @@ import numpy as np
 import pytest
 from command_line_files import empty
 from disks import disk, protect
-
-_package = "spectral_tv.files"
-whole = import_module(f"{_package}.whole")
-checks = import_module(f"{_package}.checks")
-NotWritten, written, ensure_writable = whole.NotWritten, whole.written, whole.ensure_writable
+from spectral_tv.files import checks, whole
+from spectral_tv.files.whole import NotWritten, ensure_writable, written
 
 
 @pytest.fixture(autouse=True)

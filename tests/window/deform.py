@@ -19,7 +19,7 @@ MODULE = "bl_ext.user_default.spectral_tv"
 
 def deform() -> Steps[None]:
     obj = new_dumbbell()
-    x, y = yield from find("spectral_tv.shown_largest", column=0.7)
+    x, y = yield from find("spectral_tv.length_largest", column=0.7)
     yield from click(x - 100, y - NEXT_HEADER)
     yield from constrain(obj)
     yield from away()

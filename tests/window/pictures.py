@@ -23,7 +23,7 @@ def panels() -> Steps[None]:
     yield from picture("panel_scales")
     settings().method = "M3"
     yield from away()
-    x, y = yield from find("spectral_tv.shown_largest", column=0.7)
+    x, y = yield from find("spectral_tv.length_largest", column=0.7)
     yield from click(x - 100, y - NEXT_HEADER)
     for base in ("LIMBS", "FLAT", "KEY"):
         settings().base = base

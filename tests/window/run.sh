@@ -23,5 +23,5 @@ have_session() {
 }
 
 $blender --command extension install-file -r user_default --enable dist/spectral_tv-*.zip
-have_session session 1280 1960
+have_session session 1280 2060
 have_session stress 800 700

@@ -105,19 +105,32 @@ def find(text: str, column: float = 0.5) -> Steps[tuple[int, int]]:
     The mouse goes down the sidebar, as no interface of Blender tells where a button is;
     ``column`` says where between its left, 0, and its right, 1.
     """
+    seen: set[str] = set()
+    for _attempt in range(3):  # the window may be slow to draw
+        place = yield from _look_for(text, column, seen)
+        if place is not None:
+            return place[0], (yield from _middle(text, *place))
+    raise AssertionError(f"the sidebar has no {text}, but {sorted(seen)}")
+
+
+def is_there(text: str, column: float = 0.5) -> Steps[bool]:
+    """Whether the sidebar has such a button or field."""
+    return (yield from _look_for(text, column, set())) is not None
+
+
+def _look_for(text: str, column: float, seen: set[str]) -> Steps[tuple[int, int] | None]:
+    """A place within what has the ``text``, if there is one; what else is ``seen`` on the way."""
     sidebar = region("UI")
     x = sidebar.x + int(column * sidebar.width)
-    seen = set()
-    for _attempt in range(3):  # the window may be slow to draw
-        for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -12):
-            xdotool("mousemove", x, _window().height - y)
-            yield 0.05
+    for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -12):
+        xdotool("mousemove", x, _window().height - y)
+        yield 0.05
+        if text in _under_mouse(sidebar):
+            yield 0.3
             if text in _under_mouse(sidebar):
-                yield 0.3
-                if text in _under_mouse(sidebar):
-                    return x, (yield from _middle(text, x, y))
-            seen.add(_under_mouse(sidebar))
-    raise AssertionError(f"the sidebar has no {text}, but {sorted(seen)}")
+                return x, y
+        seen.add(_under_mouse(sidebar))
+    return None
 
 
 def _middle(text: str, x: int, y: int) -> Steps[int]:

@@ -9,7 +9,9 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from at_once import at_once
 from deform import deform
+from deviation import deviation
 from hold_and_pull import hold_and_pull
 from masks import masks
 from others import others
@@ -47,6 +49,7 @@ def session() -> Steps[None]:
     yield from drag_a_slider()
     yield from undo_and_redo()
     yield from masks()
+    yield from deviation()
     yield from panels()
     yield from deform()
     yield from hold_and_pull()
@@ -54,6 +57,7 @@ def session() -> Steps[None]:
     yield from messages()
     yield from sculpt()
     yield from recipes()
+    yield from at_once()
     yield from quit_while_it_runs()
 
 

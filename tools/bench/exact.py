@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse as sp
 import spectral_tv
 
 from .meshes import sphere
@@ -41,7 +42,8 @@ def cells(frequency: int) -> list[str]:
 
     def theirs() -> None:
         gradient, areas = gradient_and_areas(vertices, triangles)
-        solver = PrimalDual(gradient, areas, mesh.vertex_areas)
+        masses = mesh.vertex_areas
+        solver = PrimalDual(gradient, areas, sp.diags_array(masses).tocsr(), lambda x: x / masses)
         state, count = cap, 0
         for tau in np.diff(times):
             state, _, iterations = solver.step(state, tau, TOLERANCE)

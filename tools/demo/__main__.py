@@ -9,7 +9,6 @@ import argparse
 import os
 import sys
 import tempfile
-from importlib import import_module
 from pathlib import Path
 
 from spectral_tv.files.whole import written

@@ -1,6 +1,7 @@
 """The methods that split off bands: what they are called, and what each of them takes."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import spectral_tv
 from spectral_tv.options.declaring import Only
@@ -17,7 +18,7 @@ class Method:
     keep_limbs: float = 0.0
 
     @property
-    def package(self) -> str:
+    def package(self) -> Any:
         """What the package calls it."""
         return self.name.lower().partition("_p")[0]
 

@@ -3,9 +3,10 @@
 import json
 import math
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 import spectral_tv
 from spectral_tv import DEFAULTS
@@ -30,6 +31,11 @@ INTO = (
      "The new bands take the place of the active ones of the same method, and do what these did. "
      "Of another method they are added"),
     ("ADD", "Add", "The new bands are a decomposition of their own, of the shape that is shown"),
+)  # fmt: skip
+INTO_ANY = (
+    *INTO,
+    ("REPLACE_ANY", "Replace Any",
+     "The new bands take the place of the active ones, of whatever method these are"),
 )  # fmt: skip
 # With icons and numbers, as files keep the numbers of old.
 BASES = (
@@ -129,14 +135,14 @@ class Settings:
     )  # fmt: skip
     finest: float = share(
         "Finest",
-        "Size of the finest detail to tell apart, relative to the object's size", 0, 0, 50,
+        "Size of the finest detail to tell apart", 0, 0, 50, is_size=True,
         soft_least=0.01, digits=2, switch=SCALES,
         own=lambda asked: math.sqrt(asked.own_scales()[0]), applies=WITH_BANDS, place="scales"
     )  # fmt: skip
     largest: float = share(
         "Largest",
-        "Size of the largest features that bands hold, relative to the object's size. What is "
-        "larger stays in the low-pass", 0, 0, 100, soft_least=0.02, digits=2, switch=SCALES,
+        "Size of the largest features that bands hold. What is larger stays in the low-pass",
+        0, 0, 100, is_size=True, soft_least=0.02, digits=2, switch=SCALES,
         own=lambda asked: math.sqrt(asked.own_scales()[1]), applies=WITH_BANDS, place="scales"
     )  # fmt: skip
     base: str = choice(
@@ -146,7 +152,7 @@ class Settings:
     )  # fmt: skip
     base_amount: float = share(
         "Smoothing",
-        "Size of the features that vanish from the base, relative to the object's size", 0, 0, 50,
+        "Size of the features that vanish from the base", 0, 0, 50, is_size=True,
         soft_least=0.1, digits=1,
         switch=("use_base_amount", "Custom Amount", "Choose how much the base is smoothed"),
         own=lambda asked: math.sqrt(spectral_tv.default_base_time(asked.own_base())),
@@ -172,11 +178,11 @@ class Settings:
     shape: str = choice("Shape", "Which shape is decomposed", SHAPES, place="shape")
     weld: float = number(
         "Join Within",
-        "Corners of open edges this near to one another, and to other open edges, are one, "
-        "relative to the object's size. 0 joins those at exactly the same place", WELD, 0, 10,
-        soft_most=0.1, unit="PERCENTAGE", digits=4, place="shape"
+        "Corners of open edges this near to one another, and to other open edges, are one. 0 joins "
+        "those at exactly the same place", WELD, 0, 10, is_size=True, soft_most=0.1,
+        unit="PERCENTAGE", digits=4, place="shape"
     )  # fmt: skip
-    into: str = choice("Former Bands", INTO_TEXT, INTO, argument="")
+    into: str = choice("Former Bands", INTO_TEXT, INTO_ANY, argument="")
     leaves_out: bool = switch(
         "Leave Out Broken Faces",
         "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",
@@ -223,7 +229,7 @@ class Settings:
         """What is wrong with the numbers of bands and steps; None if nothing is."""
         return too_few_steps(self.band_count, self.least_steps)
 
-    def arguments(self, mesh: spectral_tv.Mesh, base: np.ndarray | None) -> dict[str, Any]:
+    def arguments(self, mesh: spectral_tv.Mesh, base: NDArray[np.float64] | None) -> dict[str, Any]:
         """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
 
         Raises spectral_tv.MeshError if the scales make no sense.
@@ -237,7 +243,7 @@ class Settings:
         return arguments
 
     def method_arguments(
-        self, mesh: spectral_tv.Mesh | None, base: np.ndarray | None
+        self, mesh: spectral_tv.Mesh | None, base: NDArray[np.float64] | None
     ) -> dict[str, Any]:
         """Those that name the method and, where there is a mesh, its base."""
         arguments: dict[str, Any] = {"method": self.by.package}
@@ -254,9 +260,9 @@ class Settings:
             arguments["base_time"] = mesh.area * self.base_amount**2
         return arguments
 
-    def own_base(self) -> str | None:
+    def own_base(self) -> Literal["limbs"] | None:
         """What the package calls the base that it makes; None if it needs no name."""
-        return self.base.lower() if self.base == "LIMBS" else None
+        return "limbs" if self.base == "LIMBS" else None
 
     def needs(self, *counts: int) -> Needs:
         """What decomposing meshes of so many vertices takes."""
@@ -266,9 +272,14 @@ class Settings:
 
     def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
         """The times of the finest and of the largest scale, length²."""
+        finest, largest = self.relative_scales()
+        return mesh.area * finest, mesh.area * largest
+
+    def relative_scales(self) -> tuple[float, float]:
+        """The same relative to the area."""
         pairs = zip((self.finest, self.largest), self.own_scales(), strict=True)
         # A feature of the size l vanishes at a time of the order of l squared.
-        finest, largest = (mesh.area * (size**2 or own) for size, own in pairs)
+        finest, largest = (size**2 or own for size, own in pairs)
         return finest, largest
 
     def own_scales(self) -> tuple[float, float]:

@@ -18,8 +18,8 @@ def may_be_lost() -> Iterator[None]:
         os.close(number)
     former = sys.stdout, sys.stderr
     with ExitStack() as stack:
-        sys.stdout = _Lossy(stack.enter_context(_apart(sys.stdout)))  # type: ignore[assignment]
-        sys.stderr = _Lossy(sys.stderr)  # type: ignore[assignment]
+        sys.stdout = _Lossy(stack.enter_context(_apart(sys.stdout)))
+        sys.stderr = _Lossy(sys.stderr)
         try:
             yield
         finally:
@@ -38,7 +38,7 @@ def _apart(stream: TextIO | None) -> Iterator[TextIO | None]:
         is_pipe = stream is not None and stream.fileno() == 1 and _is_pipe(1)
     except (OSError, ValueError):
         is_pipe = False
-    if not is_pipe:
+    if stream is None or not is_pipe:
         yield stream
         return
     with suppress(OSError, ValueError):
@@ -91,7 +91,9 @@ class _Lossy:
     def _give_up(self) -> None:
         """Lead the stream nowhere, so that nothing fails that is still in it."""
         stream, self._stream = self._stream, None
-        with suppress(OSError, ValueError, AttributeError):
+        with suppress(OSError, ValueError):
+            if stream is None:
+                return
             nowhere = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nowhere, stream.fileno())
             os.close(nowhere)

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser, kind: type, *, of_object: boo
 
 def _help(kind: type, option: Option, whose: str) -> str:
     """What is told of an argument; ``whose`` stands before its default."""
-    told = option.text[0].lower() + option.text[1:]
+    told = option.told[0].lower() + option.told[1:]
     if option.kind == "choice":
         told += f" ({_labels(option)})"
     if option.kind == "share" and option.metavar:

@@ -11,6 +11,8 @@ from typing import Any
 OPTION = "option"
 # What stands for the number that suits the other options.
 OWN = -1.0
+# What the texts of sizes end with.
+RELATIVE = ". Relative to the object's size"
 
 
 class Only:
@@ -47,6 +49,8 @@ class Option:
     soft_most: float | None = None
     digits: int | None = None
     unit: str | None = None
+    # A part of the object's size: the sidebar has it as a length, all else in percent.
+    is_size: bool = False
     items: tuple[tuple[Any, ...], ...] = ()
     # Of a choice that takes any name too: the value that stands for it, and what has the name.
     other: tuple[str, str] = ("", "")
@@ -73,6 +77,11 @@ class Option:
     def is_own(self, value: Any) -> bool:
         """Whether a value stands for the number that suits the other options."""
         return self.kind == "number" and self.own is not None and value < 0
+
+    @property
+    def told(self) -> str:
+        """What it is, where it is a number."""
+        return self.text + (RELATIVE if self.is_size else "")
 
     @property
     def range(self) -> tuple[Any, Any]:

@@ -92,6 +92,39 @@ impl Mesh {
         })
     }
 
+    /// The mesh of a surface of another library.
+    ///
+    /// Parameters
+    /// ----------
+    /// surface : object
+    ///     A `trimesh.Trimesh`, `meshio.Mesh`, `pyvista.PolyData` or Open3D `TriangleMesh`. Polygons are
+    ///     split into triangles.
+    /// weld, broken
+    ///     As `Mesh` takes them.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     As `Mesh` does, or if the object is of no such class.
+    ///
+    /// Warns
+    /// -----
+    /// MeshWarning
+    ///     As `Mesh` does, and if something of the object takes no part, as lines.
+    #[staticmethod]
+    #[pyo3(signature = (surface, weld = None, broken = "refuse"))]
+    fn of(
+        py: Python<'_>,
+        surface: &Bound<'_, PyAny>,
+        weld: Option<Bound<'_, PyAny>>,
+        broken: &str,
+    ) -> Result<Self, Failure> {
+        let module = py.import("spectral_tv._surfaces")?;
+        let arrays = module.call_method1("arrays_of", (surface,))?;
+        let (vertices, triangles): (Bound<'_, PyAny>, Bound<'_, PyAny>) = arrays.extract()?;
+        Self::new(py, &vertices, &triangles, weld, broken)
+    }
+
     /// Positions, (N, 3); a copy.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray2<f64>>, Failure> {
