@@ -6,11 +6,11 @@ from itertools import pairwise
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.refusal import Refusal
 
 from ..drawing.ink import HEIGHT, color, mask
 from ..scene.arrays import numbers
 from ..scene.documents import keep_image, keep_text
-from ..scene.objects import Refusal
 from ..scene.results import written_names
 from ..scene.whole import whole
 from .flows import Prepared

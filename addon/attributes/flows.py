@@ -7,10 +7,10 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.refusal import Refusal
 
 from ..bands.filtering import filter_values
 from ..scene import mix
-from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .outputs import BAND, REST
 from .settings import Settings, chosen_elements

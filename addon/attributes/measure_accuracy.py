@@ -7,12 +7,12 @@ import bpy
 import spectral_tv
 from bpy.props import BoolProperty, EnumProperty
 from spectral_tv.bands.methods import METHODS
+from spectral_tv.refusal import Refusal
 
 from ..bands.bands import base_shape, settings_as_taken
 from ..bands.properties import DecompositionChoices
 from ..bands.shapes import read_surfaces
 from ..job.operator import JobOperator
-from ..scene.objects import Refusal
 from ..scene.records import record_of
 from ..scene.surface import Surface
 from . import accuracy

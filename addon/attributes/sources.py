@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..scene.arrays import corner_vertices, means, numbers
 from ..scene.contents import TYPES, attribute_values
 from ..scene.fingerprints import names as names_of
 from ..scene.mix import key_displacement, keys_of
-from ..scene.objects import Refusal
 from ..scene.weights import group_named, weights_of
 
 KINDS = (

@@ -9,9 +9,9 @@ import spectral_tv
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 from spectral_tv.files.whole import NotWritten, write_text
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
-from ..scene.objects import Refusal
 from . import curves, flows
 from .properties import MeasureChoices
 

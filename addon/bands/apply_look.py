@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import bpy
 from bpy.props import EnumProperty
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
 from ..scene import masks, mix
 from ..scene.applying import FOLLOWERS
 from ..scene.keeping import Band
 from ..scene.look import become
-from ..scene.objects import Refusal, take_place
+from ..scene.objects import take_place
 from ..scene.records import all_bands_of, forget, keeping_of, record_of, records_of
 from .set_bands import BandsOperator, bands_refusal
 

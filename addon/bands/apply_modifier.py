@@ -3,11 +3,12 @@
 import bpy
 from bpy.props import StringProperty
 from spectral_tv.notes import gathered
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import Refusing
 from ..scene.applying import FOLLOWERS, apply_modifier, farthest
 from ..scene.coordinates import seen_coordinates
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 
 # How far, relative to the size, what is seen may move untold.
 VISIBLE = 1e-5

@@ -10,13 +10,14 @@ import numpy as np
 import spectral_tv
 from spectral_tv.bands.settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..job.together import Together
 from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
-from ..scene.objects import Refusal, user_of
+from ..scene.objects import user_of
 from ..scene.records import (
     bands_of,
     keeping_of,

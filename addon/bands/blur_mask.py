@@ -6,12 +6,12 @@ import bpy
 import numpy as np
 import spectral_tv
 from spectral_tv.options.declaring import number
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
 from ..options.properties import choices_of
 from ..scene import masks, mix
 from ..scene.mix import keys_of
-from ..scene.objects import Refusal
 from ..scene.records import record_of
 from ..scene.surface import Reading, Surface
 from .bands import settings_of

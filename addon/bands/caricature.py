@@ -11,13 +11,13 @@ from spectral_tv.bands.methods import METHODS, OF_THE_PAPER
 from spectral_tv.bands.settings import INTO, INTO_TEXT, STEPS, Settings
 from spectral_tv.notes import about, note
 from spectral_tv.options.declaring import choice, in_force, integer, number, options_of
+from spectral_tv.refusal import Refusal
 
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
 from ..job.steps import Steps, in_turn
 from ..options.properties import choices_of
-from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .adding import Part, add_bands
 from .bands import prepare, recall, set_values, start_split

@@ -15,8 +15,8 @@ from spectral_tv.bands.gains import (
 )
 from spectral_tv.notes import note
 from spectral_tv.options.declaring import Only, choice, integer, name_of, number, options_of, switch
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from . import filter_curve
 
 FILTERS = (

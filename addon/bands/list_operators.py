@@ -3,12 +3,13 @@
 import bpy
 from bpy.props import StringProperty
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
 from ..scene import masks
 from ..scene.drivers import readers
 from ..scene.fingerprints import Likeness
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from ..scene.records import (
     activate,
     adopt,

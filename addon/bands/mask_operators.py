@@ -6,12 +6,13 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
 from ..scene import masks, multires
 from ..scene.arrays import numbers
 from ..scene.keeping import Band
 from ..scene.modes import out_of_edit_mode
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from ..scene.records import bands_of, record_of, topology_changed
 from ..scene.weights import group_named, weights_of
 from .set_bands import BandsOperator, bands_refusal

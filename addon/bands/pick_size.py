@@ -8,6 +8,7 @@ from mathutils import Vector
 from spectral_tv.bands.settings import Settings
 from spectral_tv.notes import note
 from spectral_tv.options.declaring import options_of
+from spectral_tv.refusal import Refusal
 
 from ..drawing.pointing import (
     PASSED_ON,
@@ -24,7 +25,7 @@ from ..drawing.sizes import size_of
 from ..drawing.views import redraw_views
 from ..job.operator import ChangeOperator
 from ..scene import lengths
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from .properties import PICKER
 
 OPTIONS = {

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Sequence
 
 import bpy
 from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
+from spectral_tv.refusal import Refusal
 
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
-from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 
 

@@ -7,11 +7,12 @@ from spectral_tv.bands.gains import PRESETS, curve_values, idle_reason, preset_v
 from spectral_tv.bands.settings import Settings
 from spectral_tv.notes import about, note
 from spectral_tv.options.declaring import OWN, options_of
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
 from ..options.properties import property_of
 from ..scene.decomposition import SpectralTVRecord
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from ..scene.records import (
     bands_of,
     keeping_of,

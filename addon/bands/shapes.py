@@ -6,10 +6,10 @@ import bpy
 import numpy as np
 from spectral_tv.bands.settings import ON_NEW_OBJECT, SHAPES, Settings
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..scene import mix, multires
 from ..scene.modifiers import between, symmetries
-from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 from ..scene.surface import Reading, Surface
 from ..scene.touching import touching

@@ -8,10 +8,11 @@ from contextlib import contextmanager
 
 import bpy
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..scene import applied, mix, multires, work_objects
 from ..scene.modifiers import between, is_moved
-from ..scene.objects import Refusal, take_place
+from ..scene.objects import take_place
 from ..scene.places import is_kept_up
 from ..scene.surface import Reading, Surface
 from ..scene.temporary import Temporary

@@ -1,9 +1,9 @@
 """Solo: mutes all bands of a decomposition but one, and remembers which were muted before."""
 
 import bpy
+from spectral_tv.refusal import Refusal
 
 from ..scene.decomposition import SpectralTVBand, SpectralTVRecord
-from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 
 

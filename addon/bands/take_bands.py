@@ -3,10 +3,10 @@
 import bpy
 import numpy as np
 from bpy.props import IntProperty
+from spectral_tv.refusal import Refusal
 
 from ..scene import results
 from ..scene.contents import topology_digest
-from ..scene.objects import Refusal
 from ..scene.records import bands_of, keeping_of, record_of
 from ..scene.results import Piece
 from ..scene.whole import whole

@@ -10,11 +10,11 @@ from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import listed, note
 from spectral_tv.options.arguments import add_arguments as add_options
 from spectral_tv.options.arguments import complaint, read
+from spectral_tv.refusal import Refusal
 
 from ..command_line.formats import BLEND, FORMATS
 from ..command_line.frames_verb import FramesVerb
 from ..scene import applied, multires
-from ..scene.objects import Refusal
 from ..scene.records import all_bands_of, record_of
 from . import figures, limiting, shown_shape
 from .adding import Part, add_bands

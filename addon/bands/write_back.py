@@ -3,10 +3,11 @@
 import bpy
 import numpy as np
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
 from ..scene import applied, multires, work_objects
-from ..scene.objects import Refusal, refusal, take_place
+from ..scene.objects import refusal, take_place
 from ..scene.places import is_kept_up
 from ..scene.temporary import Temporary
 from . import original

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from spectral_tv.files.names import file_keys
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from .formats import exportable
 
 EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for wrong arguments"

@@ -12,10 +12,10 @@ from spectral_tv.files import stl
 from spectral_tv.files.checks import check
 from spectral_tv.files.room import with_room
 from spectral_tv.files.torn import require
+from spectral_tv.refusal import Refusal
 
 from ..scene.animation import curves_of
 from ..scene.channels import drivers_of
-from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from . import finish_obj, finish_ply, ply_names
 from .contents import armatures, is_animated

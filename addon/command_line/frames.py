@@ -9,12 +9,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
 from ..scene import applied
 from ..scene.animation import play_in_turn
 from ..scene.coordinates import coordinates
 from ..scene.frames import every, kept, visited
-from ..scene.objects import Refusal
 from ..scene.shape_keys import add_displacements
 from ..scene.temporary import Temporary
 from .formats import HOLDS, NO

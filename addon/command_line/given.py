@@ -14,9 +14,9 @@ from spectral_tv.files import obj as objs
 from spectral_tv.files.faces import Faces
 from spectral_tv.files.torn import last
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
 from ..scene.coordinates import coordinates
-from ..scene.objects import Refusal
 from ..scene.surface import NOWHERE
 from .digits import FAR, OBJ_AXES, PLAIN, Digits, are_nowhere, of_points
 

@@ -12,11 +12,11 @@ import numpy as np
 from spectral_tv.files import ply
 from spectral_tv.files.checks import Torn, check
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
 from ..scene.animation import curves_of
 from ..scene.coordinates import coordinates, points
 from ..scene.mix import keys_of
-from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
 from . import given as files
 from .arguments import ensure_file

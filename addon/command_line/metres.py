@@ -6,8 +6,8 @@ from contextlib import contextmanager
 import bpy
 from mathutils import Matrix
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from .formats import FORMATS, a, has_option
 

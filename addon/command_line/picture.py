@@ -6,9 +6,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 from mathutils import Euler, Vector
+from spectral_tv.refusal import Refusal
 
 from ..scene.coordinates import coordinates
-from ..scene.objects import Refusal
 from .writing import written_by_blender
 
 SIDE = 640

@@ -8,8 +8,8 @@ from tempfile import TemporaryDirectory
 
 import bpy
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from .contents import armatures
 from .copies import unhooked

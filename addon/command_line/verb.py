@@ -17,9 +17,10 @@ from spectral_tv.command_line.signals import heed
 from spectral_tv.files.whole import ensure_writable
 from spectral_tv.notes import about, gathered, listed
 from spectral_tv.options.arguments import names_of, read, told
+from spectral_tv.refusal import Refusal
 
 from ..scene.frames import kept, visited
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from . import picture
 from .arguments import EXIT_CODES, add_arguments, complaint, outputs
 from .formats import exportable, importable

@@ -5,10 +5,10 @@ from collections.abc import Callable, Sequence
 import bpy
 import numpy as np
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..scene import frames as time
 from ..scene.animation import as_before, check_animatable, play_in_turn
-from ..scene.objects import Refusal
 from ..scene.places import kept_up
 from ..scene.shape_keys import add_displacements, remove_key
 from ..scene.whole import whole

@@ -4,9 +4,10 @@ import bmesh
 import bpy
 from bpy.props import EnumProperty
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from . import constraints
 from .empties import constrain
 from .handles import group_weights

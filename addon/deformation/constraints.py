@@ -16,10 +16,10 @@ from bpy.props import (
     StringProperty,
 )
 from spectral_tv.options.declaring import Only, choice, number, options_of
+from spectral_tv.refusal import Refusal
 
 from ..options.properties import choices_of
 from ..scene.fingerprints import Fingerprint
-from ..scene.objects import Refusal
 from ..scene.places import Followed, is_in_a_scene, kept_up, matrix_of
 
 KINDS = (

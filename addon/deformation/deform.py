@@ -7,8 +7,9 @@ from typing import Any
 import bpy
 import numpy as np
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from ..scene.places import kept_up
 from ..scene.surface import Surface
 from . import results, turning

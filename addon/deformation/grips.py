@@ -9,9 +9,9 @@ from functools import cached_property
 
 import bpy
 import numpy as np
+from spectral_tv.refusal import Refusal
 
 from ..scene.arrays import means
-from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .constraints import identified
 from .handles import Handles

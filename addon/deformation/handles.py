@@ -7,9 +7,9 @@ from functools import cached_property
 import bpy
 import numpy as np
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..scene.coordinates import basis_coordinates
-from ..scene.objects import Refusal
 from ..scene.shape_keys import key_shape
 from ..scene.weights import group_named, members
 from .constraints import identified

@@ -7,12 +7,12 @@ import bpy
 import numpy as np
 import spectral_tv
 from spectral_tv.options.declaring import in_force
+from spectral_tv.refusal import Refusal
 
 from ..job.steps import Steps
 from ..scene.contents import digest
 from ..scene.coordinates import coordinates
 from ..scene.modifiers import symmetries
-from ..scene.objects import Refusal
 from ..scene.places import is_kept_up
 from ..scene.surface import Reading
 from . import results

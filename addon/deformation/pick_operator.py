@@ -6,10 +6,11 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty
 from mathutils import Vector
 from spectral_tv.notes import gathered, note
+from spectral_tv.refusal import Refusal
 
 from ..drawing.pointing import PASSED_ON, View, on_ray, pixel, ray, tell_next, view_under
 from ..job.operator import REFUSALS, ChangeOperator
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from ..scene.weights import add_group
 from . import constraints, overlay
 from .deform_operator import SPECTRAL_TV_OT_deform

@@ -6,12 +6,12 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from mathutils.interpolate import poly_3d_calc
+from spectral_tv.refusal import Refusal
 
 from ..drawing.pointing import shown_mesh
 from ..scene import mix
 from ..scene.mirroring import mirrored
 from ..scene.modifiers import symmetries
-from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from .constraints import deformation_of
 from .geodesics import Links, Spread

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.refusal import Refusal
 
 from ..scene.coordinates import basis_coordinates
-from ..scene.objects import Refusal
 from ..scene.weights import add_group
 
 AXES = "xyz"

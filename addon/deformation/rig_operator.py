@@ -5,10 +5,10 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
 from ..job.steps import Steps
-from ..scene.objects import Refusal
 from . import armature, results
 from .bones import bones_of, unlikeness
 from .constraints import deformation_of

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from .geodesics import Spread
 from .held import Picked
 from .picking import Patches

@@ -8,8 +8,8 @@ import math
 
 import bpy
 import numpy as np
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from .constraints import (
     ALGORITHMS,
     TURNING,

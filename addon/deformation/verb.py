@@ -12,12 +12,13 @@ from spectral_tv.notes import listed, note
 from spectral_tv.options.arguments import add_arguments as add_options
 from spectral_tv.options.arguments import complaint
 from spectral_tv.options.declaring import options_of
+from spectral_tv.refusal import Refusal
 
 from ..command_line.formats import BLEND
 from ..command_line.frames import frames_argument, plays
 from ..command_line.verb import Verb
 from ..scene.animation import travel
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching
 from . import baking, constraints

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 from bpy.props import StringProperty
 from spectral_tv.files.whole import NotWritten, write_text
+from spectral_tv.refusal import Refusal
 
 from ..bands import figures
 from ..bands.deviation import Deviation
@@ -14,7 +15,6 @@ from ..bands.set_bands import BandsOperator
 from ..options.properties import choices_of
 from ..scene import results
 from ..scene.documents import keep_text
-from ..scene.objects import Refusal
 from ..scene.records import all_bands_of
 from ..scene.results import Piece
 from ..scene.whole import whole

@@ -3,8 +3,7 @@
 import bpy
 from bpy_extras import view3d_utils
 from mathutils import Vector
-
-from ..scene.objects import Refusal
+from spectral_tv.refusal import Refusal
 
 # Events that turn and zoom the view, or are of no account.
 PASSED_ON = ("HOME", "INBETWEEN", "MIDDLEMOUSE", "MOUSE", "NDOF", "NUMPAD", "TIMER", "TRACKPAD",

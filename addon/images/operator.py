@@ -3,9 +3,9 @@
 import bpy
 import spectral_tv
 from bpy.props import StringProperty
+from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
-from ..scene.objects import Refusal
 from . import results, sources
 from .bands import Prepared, prepare
 from .flows import STILL, Still

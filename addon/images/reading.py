@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from spectral_tv.files.headers import Header, Torn, Unreadable, read_header
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from . import colors
 from .formats import BY_SUFFIX, STEPS

@@ -12,9 +12,9 @@ from spectral_tv.files.checks import check
 from spectral_tv.files.profiles import fits, name_of
 from spectral_tv.files.tiff import Meaning, write_tiff
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from ..command_line.formats import a
-from ..scene.objects import Refusal
 from ..scene.temporary import Temporary
 from . import colors
 from .colors import Kind

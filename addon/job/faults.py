@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 import spectral_tv
-
-from ..scene.objects import Refusal
+from spectral_tv.refusal import Refusal
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,11 @@ from typing import TypeVar
 
 import bpy
 import spectral_tv
+from spectral_tv.refusal import Refusal
 
 from ..scene.contents import digest, topology_digest
 from ..scene.coordinates import basis_coordinates
-from ..scene.objects import Refusal, distinct_meshes, refusal
+from ..scene.objects import distinct_meshes, refusal
 from . import faults
 from .steps import Work
 

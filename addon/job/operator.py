@@ -11,8 +11,9 @@ import bpy
 import spectral_tv
 from bpy.props import FloatProperty
 from spectral_tv.notes import gathered
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from . import faults, jobs, timers
 from .jobs import Work, state_of
 from .progress import cursor_progress, redraw_sidebars

@@ -2,8 +2,8 @@
 
 import bmesh
 import bpy
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from . import faults
 from .operator import ChangeOperator
 

@@ -17,8 +17,8 @@ from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
 from spectral_tv.files.whole import NotWritten, write_text
 from spectral_tv.notes import listed, note
 from spectral_tv.options.declaring import Option, options_of
+from spectral_tv.refusal import Refusal
 
-from ..scene.objects import Refusal
 from ..scene.shape_keys import SLIDER_RANGE
 from .recipe import Recipe
 from .recipes import RECIPES

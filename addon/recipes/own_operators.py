@@ -5,11 +5,11 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, StringProperty
 from spectral_tv.notes import gathered, note
+from spectral_tv.refusal import Refusal
 
 from ..bands.bands import settings_of
 from ..bands.set_bands import bands_refusal
 from ..job.operator import REFUSALS, Refusing
-from ..scene.objects import Refusal
 from ..scene.records import bands_of, record_of
 from . import own
 from .recipe import Recipe

@@ -7,13 +7,13 @@ import bpy
 from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import note
 from spectral_tv.options.arguments import add_arguments as add_options
+from spectral_tv.refusal import Refusal
 
 from ..bands import figures
 from ..bands.apply_argument import add_apply, apply_each, complaint_of_apply
 from ..bands.held import Held
 from ..bands.shapes import told_groups
 from ..command_line.frames_verb import FramesVerb
-from ..scene.objects import Refusal
 from ..scene.records import all_bands_of, bands_of
 from . import own
 from .making import Making

@@ -6,10 +6,10 @@ from contextlib import contextmanager
 import bpy
 from mathutils import Vector
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from .channels import Animated, actions_of, insert_keyframe, key_path, remove_channels
 from .frames import curve_time
-from .objects import Refusal
 
 
 def check_animatable(keys: bpy.types.Key) -> None:

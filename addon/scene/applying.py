@@ -8,13 +8,13 @@ import bmesh
 import bpy
 import numpy as np
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from . import results
 from .applied import mesh_of
 from .arrays import numbers
 from .contents import digest, topology_digest
 from .coordinates import coordinates
-from .objects import Refusal
 from .temporary import Temporary
 
 # What these do depends on what was before, or cannot be worked out for another shape.

@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 from bpy.props import StringProperty
 from spectral_tv.notes import listed, note
+from spectral_tv.refusal import Refusal
 
 from .contents import attribute_values
 from .group_users import keys_with, others_with, told
 from .mix import keys_of, mask
 from .names import free_name, taken_names
-from .objects import Refusal
 from .weights import add_group, set_weights
 
 # What of its name comes after that of its key.

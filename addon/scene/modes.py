@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
-
-from .objects import Refusal
+from spectral_tv.refusal import Refusal
 
 
 def set_mode(obj: bpy.types.Object, mode: str) -> None:

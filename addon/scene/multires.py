@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.refusal import Refusal
 
 from .applied import mesh_of
 from .contents import topology_digest
 from .coordinates import points, seen_coordinates
-from .objects import Refusal
 from .temporary import Temporary
 
 # So far, relative to the size, may a vertex be from where it is put: single precision, and a change

@@ -1,20 +1,7 @@
 """Which objects can be worked on, and why others cannot."""
 
-from collections.abc import Sequence
-
 import bpy
-
-
-class Refusal(Exception):
-    """The object or a setting cannot be used; the message tells the user why.
-
-    ``vertices`` are the indices of those at fault, where it is theirs.
-    """
-
-    def __init__(self, message: str, vertices: Sequence[int] = ()) -> None:
-        """Take the message and the vertices."""
-        super().__init__(message)
-        self.vertices = vertices
+from spectral_tv.refusal import Refusal
 
 
 def is_mesh(obj: bpy.types.Object | None) -> bool:

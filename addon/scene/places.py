@@ -9,8 +9,8 @@ from contextlib import contextmanager
 
 import bpy
 import numpy as np
+from spectral_tv.refusal import Refusal
 
-from .objects import Refusal
 from .temporary import Temporary
 
 # An object, and the name of a bone of it, or nothing.

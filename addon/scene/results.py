@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, IntProperty, PointerProperty, StringProperty
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from .contents import TYPES
 from .decomposition import SpectralTVRecord
@@ -20,7 +21,6 @@ from .documents import SpectralTVDocument
 from .fingerprints import Fingerprint, Likeness, digests, names, recognise
 from .masks import SpectralTVMask
 from .names import free_name, taken_names
-from .objects import Refusal
 from .shape_keys import add_displacements, remove_key, set_displacement
 from .weights import add_group, set_weights
 from .whole import whole

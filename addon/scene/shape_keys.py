@@ -5,12 +5,12 @@ from collections.abc import Iterable, Sequence
 
 import bpy
 import numpy as np
+from spectral_tv.refusal import Refusal
 
 from .channels import remove_channels
 from .coordinates import basis_coordinates, points
 from .mix import key_displacement, keys_of
 from .names import free_name, taken_names
-from .objects import Refusal
 from .whole import whole
 
 # −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.

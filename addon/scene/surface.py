@@ -10,12 +10,12 @@ import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
 from spectral_tv.notes import note
+from spectral_tv.refusal import Refusal
 
 from .arrays import means
 from .coordinates import basis_coordinates, triangles
 from .mirroring import Copies, mirrored, single
 from .modifiers import symmetries
-from .objects import Refusal
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37

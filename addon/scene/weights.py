@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 import bpy
 import numpy as np
-
-from .objects import Refusal
+from spectral_tv.refusal import Refusal
 
 # Weights below that are taken out of a vertex group.
 NOTHING = 1e-6

@@ -6,12 +6,12 @@ import bpy
 import numpy as np
 import spectral_tv
 from spectral_tv.notes import about
+from spectral_tv.refusal import Refusal
 
 from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
 from ..job.steps import Steps, in_turn
 from ..scene import mix
-from ..scene.objects import Refusal
 from ..scene.surface import Surface
 from . import segments
 from .properties import SegmentationChoices

@@ -6,11 +6,12 @@ import bpy
 import numpy as np
 from bpy.props import FloatProperty
 from spectral_tv.notes import about, note
+from spectral_tv.refusal import Refusal
 
 from ..job.jobs import read_each
 from ..job.operator import ChangeOperator
 from ..scene import mix, results
-from ..scene.objects import Refusal, refusal
+from ..scene.objects import refusal
 from ..scene.results import PARTS, SEGMENTS, Piece, groups_shown
 from ..scene.surface import Surface
 from ..scene.weights import weights_of

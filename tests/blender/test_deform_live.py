@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import time
-from importlib import import_module
 
 import bpy
 import numpy as np
 import pytest
-from conftest import MODULE
 from deform_scene import (
     constrain,
     empty,
@@ -21,6 +19,7 @@ from deform_scene import (
     update,
 )
 from mathutils import Vector
+from spectral_tv.refusal import Refusal
 
 LOOK = 0.3  # seconds after which weights have been looked at again
 
@@ -32,10 +31,6 @@ def limbs(held):
     group(held, "Side", np.flatnonzero((basis[:, 0] > 0.97) & (basis[:, 2] > 0)))
     constrain(held, "Side", "OBJECT", target=empty((1, 0, 1)))
     return held
-
-
-def refusal():
-    return import_module(f"{MODULE}.scene.objects").Refusal
 
 
 def offset(obj, name: str) -> np.ndarray:
@@ -151,7 +146,7 @@ def test_another_algorithm_ends_it_and_is_told(held):
     update(live)
     held.spectral_tv.algorithm = "ARAP"
     with pytest.raises(
-        refusal(), match="Live and Bake Animation need the algorithm Pose or Total Variation"
+        Refusal, match="Live and Bake Animation need the algorithm Pose or Total Variation"
     ):
         update(live)
 
@@ -225,7 +220,7 @@ def test_it_waits_while_something_is_wrong_and_tells_what(limbs):
 
 def test_it_does_not_start_with_what_is_hidden(held):
     handle(held).hide_viewport = True
-    with pytest.raises(refusal(), match="Blender does not move what is hidden, 'Handle'"):
+    with pytest.raises(Refusal, match="Blender does not move what is hidden, 'Handle'"):
         live_of(held)
 
 

@@ -18,6 +18,7 @@ from command_line_files import empty, exportable, load, meshes, run, write_scene
 from conftest import IN_BLENDER
 from disks import disk, protect
 from spectral_tv.files import checks
+from spectral_tv.refusal import Refusal
 
 QUICK = ["--bands", "1", "--steps", "2"]
 FORMATS = [suffix for suffix in exportable() if suffix not in (".usd", ".usda")]
@@ -78,8 +79,7 @@ def test_a_picture_that_does_not_fit_is_no_success(tmp_path: Path, capfd):
         assert run(["decompose", str(shape), "--render", str(target), *QUICK]) == 1
         assert content(place) == {}
         table = import_module("bl_ext.user_default.spectral_tv.attributes.values").save
-        refusal = import_module("bl_ext.user_default.spectral_tv.scene.objects").Refusal
-        with pytest.raises(refusal, match=os.strerror(errno.ENOSPC)):
+        with pytest.raises(Refusal, match=os.strerror(errno.ENOSPC)):
             table(str(place / "table.csv"), "1, 2\n" * 20_000)
         assert content(place) == {}
 

@@ -14,6 +14,7 @@ from conftest import MODULE
 from contents import contents, differences
 from shapes import icosphere
 from spectral_tv.bands.settings import Settings
+from spectral_tv.refusal import Refusal
 
 VERTICES, FACES = icosphere(3)
 CAP = VERTICES[:, 2] > 0.5
@@ -335,13 +336,12 @@ def test_keys_are_added_all_or_none(sphere):
 def test_a_name_that_blender_refuses_is_told_and_nothing_is_written(sphere, name):
     """Some attributes can be of one type alone; of another they would end some versions."""
     results = import_module(f"{MODULE}.scene.results")
-    refusal = import_module(f"{MODULE}.scene.objects").Refusal
     pieces = {
         label: results.Piece("ATTRIBUTE", np.zeros(len(VERTICES)), "FLOAT")
         for label in ("fine", name)
     }
     before = contents()
-    with pytest.raises(refusal, match=name):
+    with pytest.raises(Refusal, match=name):
         results.write(sphere, "TEST", "", pieces, wanted=lambda _source, label: (label, ""))
     assert differences(before, contents()) == []
 

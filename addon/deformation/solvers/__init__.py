@@ -4,8 +4,8 @@
 """
 
 import bpy
+from spectral_tv.refusal import Refusal
 
-from ...scene.objects import Refusal
 from ..constraints import ALGORITHMS, Settings, label_of
 from ..grips import Grips
 from .comparison import Comparison, Reweighted
