@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
+from spectral_tv.bands.gain_arguments import add_gains, band_values, complaint_of_gains
 from spectral_tv.bands.settings import Settings
 from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import listed, note
@@ -22,7 +23,6 @@ from .apply_argument import add_apply, apply_each, complaint_of_apply
 from .bands import prepare_together, set_values, start_split
 from .filtering import KEEPS_ALL
 from .folding_gains import FoldingGains, add_safe
-from .gain_arguments import add_gains, band_values, complaint_of_gains
 from .held import Held
 from .limiting import LimitSettings
 from .shapes import told_groups
@@ -41,9 +41,9 @@ Split the meshes of files into bands of detail, filter them, and write them.
 A .blend keeps the bands as shape keys, set to the gains; .glb, .gltf and .fbx carry them too.
 All other formats hold the filtered shape."""
     examples = """\
-  blender --command spectral_tv decompose dragon.ply -o dragon.blend --bands 5
-  blender --command spectral_tv decompose scan.obj -o smooth.obj --gain 1=0 --gain 2=0.5
-  blender --command spectral_tv decompose *.ply -o results --curve 0:0,0.5:1,1:2 --render results"""
+  {program} decompose dragon.ply -o dragon.blend --bands 5
+  {program} decompose scan.obj -o smooth.obj --gain 1=0 --gain 2=0.5
+  {program} decompose *.ply -o results --curve 0:0,0.5:1,1:2 --render results"""
 
     options = Settings
 

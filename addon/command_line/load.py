@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.command_line.places import ensure_file
 from spectral_tv.files import ply
 from spectral_tv.files.checks import Torn, check
 from spectral_tv.notes import listed, note
@@ -19,7 +20,6 @@ from ..scene.coordinates import coordinates, points
 from ..scene.mix import keys_of
 from ..scene.shape_keys import SLIDER_RANGE
 from . import given as files
-from .arguments import ensure_file
 from .contents import Thing, has_moving_shape, images, survey
 from .digits import Digits, are_coarse
 from .finish_ply import Exact, Look

@@ -51,10 +51,10 @@ empty per --move to drag on; .glb, .gltf and .fbx carry the shape key too. All o
 the deformed shape. With --frames .abc and USD files play it; of the others there is a file for
 each frame."""
     examples = """\
-  blender --command spectral_tv deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
-  blender --command spectral_tv deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10
-  blender --command spectral_tv deform man.blend -o waving.blend --pin Trunk --move 'Hand:0,0,0.6'
-  blender --command spectral_tv deform rigged.blend -o baked.glb --frames 1-40:2"""
+  {program} deform cat.ply -o cat.obj --pin 'z<10%' --move 'z>90%:0,0,0.2'
+  {program} deform *.glb -o bent --move 'Head:0.1,0,0' --pin Feet --softness 10
+  {program} deform man.blend -o waving.blend --pin Trunk --move 'Hand:0,0,0.6'
+  {program} deform rigged.blend -o baked.glb --frames 1-40:2"""
 
     @classmethod
     def add_arguments(cls, parser: argparse.ArgumentParser) -> None:

@@ -6,16 +6,10 @@ from functools import cached_property
 from pathlib import Path
 
 import bpy
+from spectral_tv.bands.gain_arguments import add_gains, band_values, complaint_of_gains
 from spectral_tv.bands.gains import too_few_steps
-from spectral_tv.command_line.progress import progress, say
-from spectral_tv.command_line.report import Entry
-from spectral_tv.files.room import with_room
-from spectral_tv.files.whole import ensure_writable
-from spectral_tv.options.arguments import add_arguments as add_options
-from spectral_tv.options.arguments import read, whole
-
-from ..bands.gain_arguments import add_gains, band_values, complaint_of_gains
-from ..command_line.arguments import (
+from spectral_tv.command_line.command import Command
+from spectral_tv.command_line.places import (
     add_places,
     add_report,
     complaint_of_clashes,
@@ -23,7 +17,13 @@ from ..command_line.arguments import (
     ensure_file,
     is_folder,
 )
-from ..command_line.verb import Command
+from spectral_tv.command_line.progress import progress, say
+from spectral_tv.command_line.report import Entry
+from spectral_tv.files.room import with_room
+from spectral_tv.files.whole import ensure_writable
+from spectral_tv.options.arguments import add_arguments as add_options
+from spectral_tv.options.arguments import read, whole
+
 from ..command_line.writing import written_by_blender
 from . import colors
 from .bands import prepare
@@ -52,9 +52,9 @@ of transparent pixels mean nothing and take no part. What is written has the dep
 the color space of the input, as far as its format has them; only .exr gets scene-linear colors, and
 8 and 16 bits get sRGB where the input is linear floats."""
     examples = """\
-  blender --command spectral_tv image photo.jpg -o flat.png --gain 1=0 --gain 2=0
-  blender --command spectral_tv image *.png -o results --luminance --curve 0:0,0.5:1,1:2
-  blender --command spectral_tv image height.tif -o smooth.exr --colorspace Non-Color --gain 1=0"""
+  {program} image photo.jpg -o flat.png --gain 1=0 --gain 2=0
+  {program} image *.png -o results --luminance --curve 0:0,0.5:1,1:2
+  {program} image height.tif -o smooth.exr --colorspace Non-Color --gain 1=0"""
 
     @staticmethod
     def formats() -> str:
@@ -112,7 +112,7 @@ the color space of the input, as far as its format has them; only .exr gets scen
             gains=" ".join(map(repr, gains)),
         )
 
-    def _treat_file(self, source: Path, entry: Entry) -> None:
+    def treat_file(self, source: Path, entry: Entry) -> None:
         choices = self.choices
         target = _target(choices, source)
         ensure_file(source)

@@ -34,9 +34,9 @@ Recipes: {", ".join(each.name for each in RECIPES)}, those that you kept in Blen
 of recipes. A .blend keeps the bands as shape keys; .glb, .gltf and .fbx carry them too. All other
 formats hold the shape that is seen."""
     examples = """\
-  blender --command spectral_tv recipe scan.ply -o clean.ply --recipe "Clean Scan"
-  blender --command spectral_tv recipe *.obj -o results --recipe Caricature --strength 0.7
-  blender --command spectral_tv recipe head.blend -o head.glb --recipe mine.json --render results"""
+  {program} recipe scan.ply -o clean.ply --recipe "Clean Scan"
+  {program} recipe *.obj -o results --recipe Caricature --strength 0.7
+  {program} recipe head.blend -o head.glb --recipe mine.json --render results"""
 
     options = RecipeSettings
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 
 import bpy
 import numpy as np
+from spectral_tv.bands.gains import VALUES
 from spectral_tv.refusal import Refusal
 
 from .channels import remove_channels
@@ -16,7 +17,7 @@ from .whole import whole
 # −1 removes a band, 0 leaves it, 1 doubles it; beyond that is exaggeration.
 USUAL_RANGE = (-1.0, 2.0)
 # Blender allows no more.
-SLIDER_RANGE = (-10.0, 10.0)
+SLIDER_RANGE = VALUES
 
 
 def key_shape(mesh: bpy.types.Mesh, name: str, use: str) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+# The least and the most value of a band: Blender's for shape keys.
+VALUES = (-10.0, 10.0)
 PRESETS = (
     ("LOW_PASS", "Low-Pass", "Remove the bands finer than the chosen ones"),
     ("HIGH_PASS", "High-Pass", "Remove the bands coarser than the chosen ones"),

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from spectral_tv.bands.gains import curve_values
+
+from spectral_tv.bands.gains import VALUES, curve_values
 from spectral_tv.options.arguments import number
 
-from ..scene.shape_keys import SLIDER_RANGE
-
-# A key's value is the gain less one.
-LEAST_GAIN, MOST_GAIN = SLIDER_RANGE[0] + 1, SLIDER_RANGE[1] + 1
+# A value is the gain less one.
+LEAST_GAIN, MOST_GAIN = VALUES[0] + 1, VALUES[1] + 1
 
 
 def add_gains(parser: argparse.ArgumentParser) -> None:
