@@ -7,6 +7,7 @@ from functools import partial
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.counts import Counts
 from spectral_tv.notes import note
 from spectral_tv.options.declaring import number
 
@@ -17,7 +18,7 @@ from ..scene.shape_keys import add_displacements
 from ..scene.surface import Reading, Surface, moves_of
 from ..scene.whole import whole
 from .bands import settings_of
-from .guard import STRETCH, Counts, Reference
+from .guard import STRETCH, Reference
 
 NAME = "Safe"
 

@@ -4,13 +4,14 @@ import argparse
 from collections.abc import Sequence
 
 import bpy
+from spectral_tv.bands.counts import Counts
 from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import gathered, listed, note
 
 from ..scene.records import bands_of
 from .bands import set_values
 from .clamping import Clamping, GuardSettings
-from .guard import Counts, Reference
+from .guard import Reference
 
 
 def add_safe(parser: argparse.ArgumentParser) -> None:

@@ -7,11 +7,11 @@ as they are.
 import inspect
 import warnings
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.counts import Counts
 
 from ..scene import mix
 from ..scene.arrays import numbers
@@ -22,33 +22,6 @@ from ..scene.surface import NOWHERE
 STRETCH: float = inspect.signature(spectral_tv.folds).parameters["stretch"].default
 # By how much an object's scales along its axes may differ, relative to them, and count as one.
 ROUNDING = 1e-6
-
-
-@dataclass(frozen=True)
-class Counts:
-    """How many faces of an object fold, and how many stretch beyond the limit."""
-
-    folded: int = 0
-    stretched: int = 0
-
-    def __add__(self, other: "Counts") -> "Counts":
-        """Those of both."""
-        return Counts(self.folded + other.folded, self.stretched + other.stretched)
-
-    def __bool__(self) -> bool:
-        """Whether there is any."""
-        return bool(self.folded or self.stretched)
-
-    def told(self) -> str:
-        """Say it, such as ``12 faces fold, 3 stretch``."""
-        if self.folded == 0 and self.stretched:
-            return "1 face stretches" if self.stretched == 1 else f"{self.stretched} faces stretch"
-        if self.folded == 0:
-            return "no face folds"
-        told = "1 face folds" if self.folded == 1 else f"{self.folded} faces fold"
-        if self.stretched:
-            told += ", 1 stretches" if self.stretched == 1 else f", {self.stretched} stretch"
-        return told
 
 
 class Reference:

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import bpy
 import spectral_tv
+from spectral_tv.bands.counts import Counts
 
 from ..drawing.sidebar import say
 from ..job.operator import Refusing
 from ..scene import listening
 from ..scene.mix import keys_of
 from ..scene.records import all_bands_shown
-from .guard import Counts, Reference, distortion
+from .guard import Reference, distortion
 from .set_bands import bands_refusal
 
 # Triangles that are counted again at every move of a slider; of more, when it rests; and of still

@@ -1,7 +1,5 @@
 """Reading the surface of an object, or of several that belong together."""
 
-import re
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,6 +7,7 @@ import bpy
 import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
+from spectral_tv.bands.joining import joined
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
@@ -19,8 +18,6 @@ from .modifiers import symmetries
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37
-# How the package says what would join corners, which is a length there.
-ADVICE = re.compile(r"pass weld=(?:(?P<length>[\d.e+-]+)|, a length beyond)")
 
 
 @dataclass(frozen=True)
@@ -93,18 +90,7 @@ class Surface:
         corners = np.concatenate(
             [part.corners + first for part, first in zip(parts, firsts, strict=False)]
         )
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter("always", spectral_tv.MeshWarning)
-            size = _size(positions, corners)
-            mesh = spectral_tv.Mesh(
-                positions,
-                corners,
-                weld=reading.weld / 100 * size,
-                broken="drop" if reading.leaves_out else "refuse",
-            )
-        done = [str(mesh.findings)] if mesh.findings else []
-        for text in (*done, *(_in_percent(str(each.message), size) for each in told)):
-            note(text)
+        mesh = joined(positions, corners, reading.weld, reading.leaves_out)
         return [
             cls(
                 mesh,
@@ -251,25 +237,3 @@ def _without_strays(shape: np.ndarray, corners: np.ndarray) -> np.ndarray:
         what = "1 vertex in no face has" if count == 1 else f"{count} vertices in no face have"
         note(f"{what} no finite place, and no part in this")
     return shape
-
-
-def _in_percent(text: str, size: float) -> str:
-    """Advice of the package as one about *Join Within*, in percent of the size."""
-    found = ADVICE.search(text)
-    if found is None or size == 0:
-        return text
-    if found["length"] is None:
-        return text.replace(found[0], "raise Join Within beyond")
-    share = 100 * float(found["length"]) / size
-    if share > 0:  # rounded up, so that it is enough
-        unit = 10.0 ** (np.floor(np.log10(share)) - 1)
-        share = float(np.ceil(share / unit) * unit)
-    return text.replace(found[0], f"set Join Within to {share:.3g} %")
-
-
-def _size(vertices: np.ndarray, corners: np.ndarray) -> float:
-    """√ of the area, or 0 where it cannot be told."""
-    one, two, three = (vertices[corner] for corner in corners.T)
-    with np.errstate(all="ignore"):
-        area = np.linalg.norm(np.cross(two - one, three - one), axis=1).sum() / 2
-    return float(np.sqrt(area)) if np.isfinite(area) else 0.0

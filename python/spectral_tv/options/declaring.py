@@ -5,7 +5,7 @@ panel, the argument of the command line, what a report says, and a keyword of th
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 OPTION = "option"
@@ -158,6 +158,13 @@ def several(
 def name_of(label: str, text: str, default: str = "", **more: Any) -> Any:
     """A name, or another text."""
     return _option("name", label, text, default, **more)
+
+
+def redeclared(kind: type, name: str, **changes: Any) -> Any:
+    """The option of a dataclass for one that derives from it, with other facts."""
+    before = {each.name: each for each in fields(kind)}[name]
+    declared = replace(before.metadata[OPTION], **changes)
+    return field(default=before.default, metadata={OPTION: declared})
 
 
 def options_of(kind: type) -> Mapping[str, Option]:
