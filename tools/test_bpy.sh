@@ -13,7 +13,7 @@ os._exit(status)'
 # install ITS_VERSION BPY_VERSION REQUIREMENT…
 install() {
   local packages=.build/bpy-$2
-  local requirements="bpy==$2 pytest>=9 openexr>=3.3 pillow>=10.1 pypng tifffile trimesh ${*:3}"
+  local requirements="bpy==$2 pytest>=9 openexr>=3.3 pillow>=10.1 pypng tifffile ${*:3}"
   if [[ ! -f $packages/.installed || $(<"$packages/.installed") != "$requirements" ]]; then
     rm -rf "$packages"
     # shellcheck disable=SC2086  # a list of words

@@ -1,5 +1,6 @@
 """Bands of detail: split off, filtered, exaggerated, kept as shape keys."""
 
+from ..drawing import sizes
 from . import (
     apply_look,
     apply_modifier,
@@ -76,4 +77,5 @@ FORGET = (
     sculpt_undo.forget,
     remarks.forget,
     pick_size.end,
+    sizes.forget,
 )

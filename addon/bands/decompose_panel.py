@@ -23,7 +23,7 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
     bl_label = "Decompose"
 
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-        super().rows(context, layout)
+        WorkPanel.rows(self, context, layout)
         at_once.draw(layout, context)
 
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:

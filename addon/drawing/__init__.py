@@ -1,6 +1,5 @@
-"""Drawing that panels share, and the preferences that it goes by."""
+"""Drawing that panels share, and the preferences that it goes by; works without the package."""
 
-from . import preferences, sizes
+from . import preferences
 
 FILES = (preferences,)
-FORGET = (sizes.forget,)

@@ -10,6 +10,7 @@ from typing import get_type_hints
 import numpy as np
 import pytest
 import spectral_tv
+import trimesh
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0.4, 1]])
 TRIANGLES = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
@@ -39,6 +40,7 @@ CALLS = {
     "graded_times": (),
     "set_threads": (),
     "Mesh.__new__": (VERTICES, TRIANGLES),
+    "Mesh.of": (trimesh.Trimesh(VERTICES, TRIANGLES, process=False),),
     "Deformer.__new__": (MESH, [0, 1]),
     "Deformer.start": (MESH, [0, 1]),
     "Deformer.solve": (TARGETS,),
@@ -61,7 +63,13 @@ REQUIRED = {
     "finest": 0.1,
     "largest": 1.0,
 }
-INSTANCES = {"Deformer": DEFORMER, "Poser": POSER, "Flow": SPLIT.flow, "Decomposition": SPLIT}
+INSTANCES = {
+    "Mesh": spectral_tv.Mesh,
+    "Deformer": DEFORMER,
+    "Poser": POSER,
+    "Flow": SPLIT.flow,
+    "Decomposition": SPLIT,
+}
 
 
 def functions(tree):
