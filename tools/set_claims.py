@@ -127,9 +127,9 @@ def table(vertices: int) -> list[str]:
         (
             "Two sleeves, weighted by the inverse ratio of areas, vanish together (figure 5)",
             f"{said(together['areas'])}: the jumps end at {ends['areas'][0]:.3f} and "
-            f"{ends['areas'][1]:.3f} of the time that the theory gives the first, as the set "
-            f"between them rises; with the inverse ratio of their rates "
-            f"({said(together['rates'])}), at {ends['rates'][0]:.3f} and {ends['rates'][1]:.3f}",
+            f"{ends['areas'][1]:.3f} of the time at which by the theory the first one ends, as the "
+            "set between them rises. Weighted by the inverse ratio of their rates: "
+            f"{said(together['rates'])}, at {ends['rates'][0]:.3f} and {ends['rates'][1]:.3f}",
         ),
         (
             "A set that merges with another decays at two rates (Sec. 8)",
