@@ -14,6 +14,7 @@ REASONS = (
     "got empty parameter set for (suffix)",  # of formats that it is built without
     "no disk can be mounted",
     "starts Python with bpy",
+    "could not import 'trimesh'",  # which an example of the docs needs
 )
 PYTEST = ("pytest", "_pytest", "pluggy", "iniconfig", "packaging", "pygments", "py")
 
