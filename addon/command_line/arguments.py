@@ -9,6 +9,7 @@ from spectral_tv.command_line.places import (
     complaint_of_clashes,
     complaint_of_places,
     is_folder,
+    target_of,
     target_path,
 )
 
@@ -46,9 +47,8 @@ def complaint(choices: argparse.Namespace) -> str | None:
 
 def outputs(choices: argparse.Namespace, source: Path) -> tuple[Path | None, Path | None]:
     """The file and the picture to write for an input."""
-    file, picture = choices.output, choices.render
-    if file is not None and is_folder(file):
-        file = file / f"{source.stem}{choices.format or source.suffix}"
+    file = None if choices.output is None else target_of(choices, source)
+    picture = choices.render
     if picture is not None and is_folder(picture):
         picture = picture / f"{source.stem}.png"
     return file, picture

@@ -16,6 +16,7 @@ from spectral_tv.command_line.places import (
     complaint_of_places,
     ensure_file,
     is_folder,
+    target_of,
 )
 from spectral_tv.command_line.progress import progress, say
 from spectral_tv.command_line.report import Entry
@@ -114,7 +115,7 @@ the color space of the input, as far as its format has them; only .exr gets scen
 
     def treat_file(self, source: Path, entry: Entry) -> None:
         choices = self.choices
-        target = _target(choices, source)
+        target = target_of(choices, source)
         ensure_file(source)
         ensure_writable(target.absolute())
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
@@ -134,7 +135,7 @@ the color space of the input, as far as its format has them; only .exr gets scen
 
 
 def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
-    targets = [_target(choices, source) for source in choices.inputs]
+    targets = [target_of(choices, source) for source in choices.inputs]
     for target in targets:
         form = BY_SUFFIX.get(target.suffix.lower())
         if form is None:
@@ -157,9 +158,3 @@ def _complaint_of_space(choices: argparse.Namespace) -> str | None:
         return f"there is no color space {choices.colorspace!r}; there are: {names}"
     choices.colorspace = found
     return None
-
-
-def _target(choices: argparse.Namespace, source: Path) -> Path:
-    if not is_folder(choices.output):
-        return choices.output
-    return choices.output / f"{source.stem}{choices.format or source.suffix}"

@@ -165,9 +165,8 @@ def _like_meshio(surface: Any, vertices: NDArray[Any], values: Values) -> Any:
 
 
 def _of_pyvista(surface: Any) -> Arrays:
-    lines, points = surface.n_lines, surface.n_verts
-    counts = [(lines, "lines"), (points, "single points"), (surface.n_strips, "strips")]
-    _skipped(f"{count} {name}" for count, name in counts if count and name != "strips")
+    counts = [(surface.n_lines, "lines"), (surface.n_verts, "single points")]
+    _skipped(f"{count} {name}" for count, name in counts if count)
     made = surface.triangulate()
     return np.asarray(made.points), np.asarray(made.regular_faces)
 

@@ -165,3 +165,13 @@ def held(body):
     constrain(body, "Feet", "PIN")
     constrain(body, "Head", "OBJECT", target=empty((0, 0, 2)))
     return body
+
+
+@pytest.fixture
+def choices():
+    """The choices of the sidebar, which are as they were at first in the end."""
+    found = bpy.context.scene.spectral_tv
+    yield found
+    found.fill(importlib.import_module("spectral_tv.bands.settings").Settings())
+    for name in ("finest", "largest", "base_amount"):
+        found.property_unset(name)

@@ -16,15 +16,6 @@ sizes = import_module(f"{MODULE}.drawing.sizes")
 NAMES = ("finest", "largest", "base_amount", "weld")
 
 
-@pytest.fixture
-def choices():
-    found = bpy.context.scene.spectral_tv
-    yield found
-    found.fill(Settings())
-    for name in ("finest", "largest", "base_amount"):
-        found.property_unset(name)
-
-
 def scaled(obj, *factors: float) -> None:
     obj.scale = factors
     bpy.context.view_layer.update()

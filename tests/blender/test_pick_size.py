@@ -9,18 +9,8 @@ import pytest
 from ball import ball
 from conftest import MODULE
 from mathutils import Vector
-from spectral_tv.bands.settings import Settings
 
 sizes, ring = (import_module(f"{MODULE}.drawing.{name}") for name in ("sizes", "ring"))
-
-
-@pytest.fixture
-def choices():
-    found = bpy.context.scene.spectral_tv
-    yield found
-    found.fill(Settings())
-    for name in ("finest", "largest", "base_amount"):
-        found.property_unset(name)
 
 
 @pytest.mark.parametrize("option", ["finest", "largest", "base_amount"])

@@ -23,6 +23,7 @@ from spectral_tv.command_line.places import (
     complaint_of_places,
     ensure_file,
     is_folder,
+    target_of,
 )
 from spectral_tv.command_line.progress import progress, say
 from spectral_tv.command_line.report import Entry
@@ -76,7 +77,7 @@ other formats hold the filtered shape; some have the bands beside it, as numbers
         return reason or complaint_of_gains(choices, asked.band_count)
 
     def _complaint_of_targets(self) -> str | None:
-        targets = [self._target(source) for source in self.choices.inputs]
+        targets = [target_of(self.choices, source) for source in self.choices.inputs]
         for target in targets:
             kind = FORMATS.get(target.suffix.lower())
             if kind is None or not kind.writes:
@@ -84,15 +85,9 @@ other formats hold the filtered shape; some have the bands beside it, as numbers
                 return f"there is no way to write {target.suffix or 'files without suffix'}{hint}"
         return complaint_of_clashes(self.choices, targets)
 
-    def _target(self, source: Path) -> Path:
-        output: Path = self.choices.output
-        if not is_folder(output):
-            return output
-        return output / f"{source.stem}{self.choices.format or source.suffix}"
-
     def treat_file(self, source: Path, entry: Entry) -> None:
         """Split, filter and write a file, and say so in ``entry``."""
-        target = self._target(source)
+        target = target_of(self.choices, source)
         ensure_file(source)
         ensure_writable(target.absolute())
         found = read(source)

@@ -58,6 +58,14 @@ def complaint_of_places(
     return None
 
 
+def target_of(choices: argparse.Namespace, source: Path) -> Path:
+    """The file to write for an input: the output itself, or one in that folder."""
+    output: Path = choices.output
+    if not is_folder(output):
+        return output
+    return output / f"{source.stem}{choices.format or source.suffix}"
+
+
 def complaint_of_clashes(
     choices: argparse.Namespace, targets: list[Path], is_replaced: bool = True
 ) -> str | None:
