@@ -66,6 +66,13 @@ impl Decomposition {
         Ok(Flow::new(transform, masses, layout))
     }
 
+    /// The mesh whose shape was split.
+    #[getter]
+    fn mesh(&self) -> Mesh {
+        let inner = Arc::new(self.inner.mesh().clone());
+        Mesh { inner }
+    }
+
     /// Edges from 0 to t_N that cut the components into `count` bands of equal numbers, each
     /// half-way between two times; (count+1,), length².
     ///
@@ -86,7 +93,9 @@ impl Decomposition {
     /// Parameters
     /// ----------
     /// edges : (K+1,) array
-    ///     Increasing times, length²; component k is in [edge_i, edge_{i+1}).
+    ///     Increasing times, length². An edge is 0.2 wide in ln t, so that bands depend on the flow
+    ///     and not on its steps. With "lb" and "displacement", whose components lie at their times,
+    ///     component k is in [edge_i, edge_{i+1}).
     /// keep_limbs : float
     ///     0: bands as they are. k > 0: at each vertex, what vanishes later than about r²/k stays in the
     ///     residual, for the `thickness` r of the shape there. So low-pass keeps limbs whole, and bands
@@ -149,6 +158,70 @@ impl Decomposition {
         arrays::per_vertex(py, shape.view())
     }
 
+    /// Draw the spectrum with its bands, by Matplotlib.
+    ///
+    /// Parameters
+    /// ----------
+    /// edges : (K+1,) array, optional
+    ///     Where bands begin and end, length². Default: those of five bands by `band_edges`.
+    /// axes : matplotlib.axes.Axes, optional
+    ///     What is drawn into. Default: the current ones.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If there is no Matplotlib: the extra `plot` brings it.
+    /// MeshError
+    ///     If the edges do not increase, or there are no components.
+    #[pyo3(signature = (edges = None, axes = None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        edges: Option<Bound<'py, PyAny>>,
+        axes: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("spectral_tv._plotting")?;
+        module.call_method1("plot_spectrum", (slf, edges, axes))
+    }
+
+    /// Show the mesh with a slider for each band, by PyVista: in a window, or in a notebook.
+    ///
+    /// At −1 a band is gone, at 0 nothing changes, at 1 it is doubled.
+    ///
+    /// Parameters
+    /// ----------
+    /// edges : (K+1,) array, optional
+    ///     Where bands begin and end, length². Default: those of five bands by `band_edges`.
+    /// keep_limbs : float
+    ///     As in `bands`.
+    /// plotter : pyvista.Plotter, optional
+    ///     What mesh and sliders are added to, without showing it. Default: a new one, which is shown.
+    ///
+    /// Returns
+    /// -------
+    /// object
+    ///     The plotter that was given, or what `pyvista.Plotter.show` returns.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If there is no PyVista: the extra `pyvista` brings it.
+    /// MeshError, MemoryError
+    ///     As `bands` does, and if there are no components.
+    #[pyo3(signature = (edges = None, keep_limbs = 0.0, plotter = None))]
+    fn show<'py>(
+        slf: &Bound<'py, Self>,
+        edges: Option<Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = parameters::keep_limbs)] keep_limbs: f64,
+        plotter: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("spectral_tv._viewing")?;
+        module.call_method1("show", (slf, edges, keep_limbs, plotter))
+    }
+
     fn __repr__(&self) -> String {
         let times = self.inner.times();
         format!(
@@ -166,8 +239,7 @@ impl Pickled for Decomposition {
         write_trajectory(self.inner.transform().trajectory(), parts)?;
         parts.list("spectrum", self.inner.spectrum())?;
         parts.list("vertex_areas", self.inner.vertex_areas())?;
-        let inner = Arc::new(self.inner.mesh().clone());
-        parts.value("mesh", Mesh { inner })?;
+        parts.value("mesh", self.mesh())?;
         match self.inner.displacement() {
             Some(found) => {
                 parts.matrix("base", found.base.view())?;

@@ -106,8 +106,9 @@ impl Flow {
         arrays::array_of(py, &self.transform.trajectory().total_variation)
     }
 
-    /// Duality gap of each step as a proximal step of TV, relative to Δt TV at its start, (N,);
-    /// 0 for linear flows, and once nothing is left to decay.
+    /// Duality gap of each step as a proximal step of TV, relative to Δt TV at its start, (N,): how far
+    /// its energy may be above the least. Its dual field is the one that the step found, or w ∇u
+    /// where it found none. 0 for linear flows, and once nothing is left to decay.
     #[getter]
     fn gap<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, Failure> {
         arrays::array_of(py, &self.transform.trajectory().gaps)
@@ -153,7 +154,7 @@ impl Flow {
     /// Parameters
     /// ----------
     /// edges : (K+1,) array
-    ///     Increasing times; component k is in [edge_i, edge_{i+1}).
+    ///     Increasing times. Edges are 0.2 wide in ln t, so that bands do not depend on the steps.
     ///
     /// Raises
     /// ------
@@ -238,6 +239,17 @@ impl Flow {
         })
     }
 
+    /// Draw the spectrum with its bands, as `Decomposition.plot` does.
+    #[pyo3(signature = (edges = None, axes = None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        edges: Option<Bound<'py, PyAny>>,
+        axes: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("spectral_tv._plotting")?;
+        module.call_method1("plot_spectrum", (slf, edges, axes))
+    }
+
     fn __repr__(&self) -> String {
         let trajectory = self.transform.trajectory();
         format!(
@@ -304,6 +316,7 @@ impl Pickled for Flow {
 pub fn write_trajectory(trajectory: &Trajectory, parts: &Writer<'_>) -> Result<(), Failure> {
     let py = parts.py();
     let (increments, mut units) = (PyList::empty(py), Vec::new());
+    let units_of_blocks = PyList::empty(py);
     for increment in trajectory.increments() {
         match increment {
             Increment::Double(values) => {
@@ -314,14 +327,24 @@ pub fn write_trajectory(trajectory: &Trajectory, parts: &Writer<'_>) -> Result<(
                 increments.append(arrays::table_of(py, values.view())?)?;
                 units.push(*unit);
             }
+            Increment::Short {
+                values,
+                units: of_blocks,
+            } => {
+                increments.append(arrays::table_of(py, values.view())?)?;
+                units.push(1.0);
+                units_of_blocks.append(arrays::table_of(py, of_blocks.view())?)?;
+            }
         }
     }
     parts.list("times", &trajectory.times)?;
     parts.matrix("initial", trajectory.initial())?;
     parts.value("increments", increments)?;
     parts.list("units", &units)?;
+    parts.value("units_of_blocks", units_of_blocks)?;
     parts.list("total_variation", &trajectory.total_variation)?;
-    parts.list("gaps", &trajectory.gaps)
+    parts.list("gaps", &trajectory.gaps)?;
+    parts.value("is_piecewise_linear", trajectory.is_piecewise_linear())
 }
 
 /// Reads it; the dtype of an increment tells in which precision it is kept.
@@ -332,22 +355,37 @@ pub fn read_trajectory(parts: &Parts<'_>) -> Result<Trajectory, Failure> {
         let message = "the parts of the flow have numbers that do not go together";
         return Err(refused(message));
     }
+    let units_of_blocks: Vec<Bound<'_, PyAny>> = parts.value("units_of_blocks")?;
+    let mut units_of_blocks = units_of_blocks.iter();
     let mut increments = memory::vector(written.len(), "a flow", "free some memory")?;
     for (written, &unit) in written.iter().zip(&units) {
         let size: usize = written.getattr("dtype")?.getattr("itemsize")?.extract()?;
-        increments.push(match size == size_of::<f32>() {
-            true => Increment::Single {
+        increments.push(match size {
+            2 => {
+                let of_blocks = units_of_blocks.next().ok_or_else(|| {
+                    refused("the flow has increments in 16 bits without their units")
+                })?;
+                Increment::Short {
+                    values: arrays::matrix("increments", written, "int16")?,
+                    units: arrays::matrix("units_of_blocks", of_blocks, "float64")?,
+                }
+            }
+            4 => Increment::Single {
                 values: arrays::matrix("increments", written, "float32")?,
                 unit,
             },
-            false => Increment::Double(arrays::matrix("increments", written, "float64")?),
+            _ => Increment::Double(arrays::matrix("increments", written, "float64")?),
         });
     }
-    Ok(Trajectory::restored(
+    let flow = Trajectory::restored(
         parts.list("times")?,
         parts.matrix("initial")?,
         increments,
         parts.list("total_variation")?,
         parts.list("gaps")?,
-    )?)
+    )?;
+    Ok(match parts.value("is_piecewise_linear")? {
+        true => flow.piecewise_linear(),
+        false => flow,
+    })
 }

@@ -17,6 +17,7 @@ mod handles;
 mod image;
 mod job;
 mod mesh;
+mod nearest;
 mod owned;
 mod parameters;
 mod pickling;
@@ -52,6 +53,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MeshWarning", py.get_type::<error::MeshWarning>())?;
     module.add("Cancelled", py.get_type::<error::Cancelled>())?;
     module.add_class::<mesh::Mesh>()?;
+    module.add_class::<nearest::Nearest>()?;
     module.add_class::<flow::Flow>()?;
     module.add_class::<decomposition::Decomposition>()?;
     module.add_class::<deformer::Deformer>()?;

@@ -189,6 +189,34 @@ impl Mesh {
         Ok(fields.with("told", found.to_string())?.made("Findings")?)
     }
 
+    /// The same mesh with a thickness of the shape that is given. `keep_limbs` and `base="limbs"` go by
+    /// it in place of what `thickness` would measure.
+    ///
+    /// Parameters
+    /// ----------
+    /// thickness : (N,) array
+    ///     Lengths, 0 or more.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If there is not one length per vertex, or one is negative, not finite, or beyond 1e100.
+    fn with_thickness(
+        &self,
+        py: Python<'_>,
+        thickness: &Bound<'_, PyAny>,
+    ) -> Result<Self, Failure> {
+        let thickness = arrays::list("thickness", thickness)?;
+        let mesh = guarded(py, |_| self.inner.with_thickness(thickness))?;
+        Ok(Self {
+            inner: Arc::new(mesh),
+        })
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "Mesh({} vertices, {} triangles, area {:.5e})",
@@ -215,7 +243,10 @@ impl Pickled for Mesh {
             (!is_as_it_was).then(|| self.weld_map(py)).transpose()?,
         )?;
         let counts: BTreeMap<_, _> = self.inner.findings().counts().into();
-        parts.value("findings", (!is_as_it_was).then_some(counts))
+        parts.value("findings", (!is_as_it_was).then_some(counts))?;
+        let thickness = self.inner.known_thickness();
+        let array = |radii| arrays::array_of(py, radii);
+        parts.value("thickness", thickness.map(array).transpose()?)
     }
 
     fn read(py: Python<'_>, parts: &Parts<'_>) -> Result<Self, Failure> {
@@ -232,9 +263,17 @@ impl Pickled for Mesh {
             }
             None => None,
         };
+        let thickness = match parts.optional("thickness")? {
+            Some(radii) => Some(arrays::list("thickness", &radii)?),
+            None => None,
+        };
         let mesh = guarded(py, |stage| {
             claim(stage, vertices.len(), triangles.len(), None)?;
-            TriangleMesh::from_parts(vertices, &triangles, weld_map, findings)
+            let mesh = TriangleMesh::from_parts(vertices, &triangles, weld_map, findings)?;
+            match thickness {
+                Some(radii) => mesh.with_thickness(radii),
+                None => Ok(mesh),
+            }
         })?;
         Ok(Self {
             inner: Arc::new(mesh),

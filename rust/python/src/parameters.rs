@@ -26,7 +26,7 @@ macro_rules! named {
 }
 
 named! {
-    band bands count finest gain height joint_softness keep_limbs largest refinement scales seed
+    band bands count farthest finest gain height joint_softness keep_limbs largest refinement scales seed
     segments smooth softness steps stiffness stillness stretch time tolerance
 }
 

@@ -18,7 +18,7 @@ use crate::mesh::Mesh;
 use crate::poser::Poser;
 
 /// To be counted up where what is written changes.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 4;
 
 type Reduced<'py> = (
     Bound<'py, PyAny>,

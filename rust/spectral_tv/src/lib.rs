@@ -9,6 +9,7 @@ pub mod eigenset;
 mod elements;
 mod error;
 pub mod flow;
+mod graph;
 pub mod guard;
 pub mod image;
 #[cfg(not(feature = "internals"))]
@@ -23,6 +24,7 @@ mod minimization;
 pub mod minimization;
 pub mod monitor;
 mod named;
+pub mod nearest;
 #[cfg(not(feature = "internals"))]
 mod operators;
 #[cfg(feature = "internals")]

@@ -51,7 +51,7 @@ pub(super) fn as_rigid_as_possible(task: Task) -> Result<(Array2<f64>, usize)> {
 fn edges(problem: &Problem, face: usize) -> [(usize, usize, f64); 3] {
     let gradient = problem.operators.gradient();
     let [i, j, k] = gradient.triangles()[face].map(|corner| corner as usize);
-    let [a, b, c] = element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
+    let [a, b, c] = element_stiffness(&gradient.hats(face), gradient.face_areas()[face]);
     [(j, k, -a), (k, i, -b), (i, j, -c)]
 }
 

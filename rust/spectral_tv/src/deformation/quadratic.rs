@@ -151,7 +151,7 @@ fn laplacian(problem: &Problem, weights: &[f64]) -> CsMatI<f64, u32> {
     let mut matrix = pattern.zeros();
     let stiffness = |face: usize| {
         let scale = gradient.face_areas()[face] * weights[face];
-        element_stiffness(&gradient.hats()[face], scale)
+        element_stiffness(&gradient.hats(face), scale)
     };
     let no_masses = vec![0.0; gradient.vertex_count()];
     pattern.assemble(gradient, &no_masses, stiffness, &mut matrix);

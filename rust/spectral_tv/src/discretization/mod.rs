@@ -16,6 +16,7 @@ pub use crate::operators::positions;
 use crate::operators::{
     self, EdgeElements, EdgeLaplacian, Gradient, LaplacianPattern, Mass, invertible_masses,
 };
+use crate::parallel;
 use crate::solver::{Cholesky, Demand, LinearSolver, Solver, Symbolic};
 
 /// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
@@ -95,8 +96,16 @@ impl Discretization {
 
     fn of_parts(gradient: Gradient, masses: Vec<f64>, area: f64, stage: Stage) -> Result<Self> {
         let pattern = LaplacianPattern::new(&gradient, stage)?;
-        let hats = gradient.hats().as_flattened().as_flattened();
-        let largest = || hats.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        let steepest = |face: usize| {
+            let hats = gradient.hats(face);
+            let components = hats.as_flattened().iter();
+            components.fold(0.0_f64, |max, x| max.max(x.abs()))
+        };
+        let largest = || {
+            parallel::largest(gradient.face_areas().len(), |faces| {
+                faces.map(steepest).fold(0.0, f64::max)
+            })
+        };
         let steepest_hat = stage.pass(largest)?;
         Ok(Self {
             steepest_hat,
@@ -198,7 +207,7 @@ impl Discretization {
         demand: Demand,
         stage: Stage,
     ) -> Result<LinearSolver> {
-        LinearSolver::new(self.pattern.zeros(), &self.symbolic, choice, demand, stage)
+        LinearSolver::new(self.pattern.graph(), &self.symbolic, choice, demand, stage)
     }
 
     /// Which solver `choice` means for what is demanded of matrices of the pattern.

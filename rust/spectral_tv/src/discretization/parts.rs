@@ -30,7 +30,8 @@ impl Discretization {
             }
         }
         let area = areas.iter().sum();
-        let gradient = Gradient::of_functions(hats, triangles.into(), areas, unknowns.len());
+        let gradient =
+            Gradient::of_functions(later(&hats), triangles.into(), areas.into(), unknowns.len());
         let operators = Self::of_parts(gradient, invertible_masses(&masses), area, stage)?;
         Ok((operators, unknowns))
     }
@@ -52,6 +53,7 @@ impl Discretization {
         for (triangle, hats) in triangles.iter().zip(&mut hats) {
             merge_functions(triangle, hats);
         }
+        let hats = later(&hats);
         let mut masses = vec![0.0; count];
         for (&number, mass) in numbers.iter().zip(&self.masses) {
             masses[number as usize] += mass;
@@ -61,7 +63,7 @@ impl Discretization {
             true => Vec::new(),
             false => faces.iter().map(coupling).collect(),
         };
-        let gradient = Gradient::of_functions(hats, triangles.into(), areas, count);
+        let gradient = Gradient::of_functions(hats, triangles.into(), areas.into(), count);
         Ok(Self {
             couplings,
             ..Self::of_parts(gradient, masses, self.area, stage)?
@@ -81,10 +83,15 @@ impl Discretization {
             .map(|face| gradient.triangles()[face].map(&mut number));
         (
             triangles.collect(),
-            faces.clone().map(|face| gradient.hats()[face]).collect(),
+            faces.clone().map(|face| gradient.hats(face)).collect(),
             faces.map(|face| gradient.face_areas()[face]).collect(),
         )
     }
+}
+
+/// What a gradient is made of.
+fn later(hats: &[[FaceVector; 3]]) -> Vec<[FaceVector; 2]> {
+    hats.iter().map(|&[_, j, k]| [j, k]).collect()
 }
 
 /// Where one unknown stands at several places of a triangle, the first of them takes over the functions

@@ -22,7 +22,7 @@ impl<'a> Diffusion<'a> {
         let mut system = pattern.zeros();
         let stiffness = |face: usize| {
             let scale = radius * radius * gradient.face_areas()[face];
-            element_stiffness(&gradient.hats()[face], scale)
+            element_stiffness(&gradient.hats(face), scale)
         };
         pattern.assemble(gradient, operators.masses(), stiffness, &mut system);
         let mut cholesky = operators.cholesky(stage)?;

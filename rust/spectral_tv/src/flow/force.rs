@@ -34,7 +34,7 @@ impl Force {
     ) -> Result<Self> {
         let edges = operators.edges();
         let weights = stage.pass(|| law.weights(norms))?;
-        let couplings = stage.pass(|| edges.couplings(&weights))?;
+        let couplings = stage.pass(|| edges.couplings(operators.gradient(), &weights))?;
         let flux = stage.pass(|| edges.apply(&couplings, state))?;
         Ok(Self {
             flux,

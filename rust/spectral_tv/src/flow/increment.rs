@@ -1,9 +1,13 @@
 //! What a step changes, kept as precisely as it was solved for.
 
-use ndarray::{Array2, ArrayView2, ArrayViewMut2, Zip, aview0};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, Zip, aview0};
+use rayon::prelude::*;
 
 use crate::error::has_usable_size;
 use crate::parallel;
+
+/// Why rows of the arrays here are slices.
+const CONTIGUOUS: &str = "functions are kept channel by channel";
 
 /// How many digits of an increment are worth keeping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,7 +17,15 @@ pub(super) enum Precision {
     /// Where it was solved by iteration, to some 1e-6 of the increment; rounding to single
     /// precision takes 6e-8 of it.
     Single,
+    /// The same on a mesh of one piece, once no other step is solved by its help: rounding leaves 1.5e-5 of
+    /// the largest value nearby, which is what the iteration leaves of all.
+    Short,
 }
+
+/// Values with one unit. They are neighbours in most meshes, and about as large.
+const BLOCK: usize = 256;
+/// Units in the largest value of a block.
+const UNITS: f64 = i16::MAX as f64;
 
 /// u_{k+1} − u_k, (C, V).
 #[derive(Debug, Clone)]
@@ -26,6 +38,13 @@ pub enum Increment {
         values: Array2<f32>,
         /// What `values` are multiples of: single precision has no room for lengths of any unit.
         unit: f64,
+    },
+    /// In 16 bits.
+    Short {
+        /// The increment by its units, at most 32767 of them.
+        values: Array2<i16>,
+        /// What each 256 `values` of a channel, one after the other, are multiples of, (C, ⌈V/256⌉).
+        units: Array2<f64>,
     },
 }
 
@@ -54,7 +73,57 @@ impl Increment {
         });
         let unit = if largest > 0.0 { largest } else { 1.0 };
         let values = both.par_map_collect(|now, before| ((now - before) / unit) as f32);
-        Self::Single { values, unit }
+        let single = Self::Single { values, unit };
+        match precision {
+            Precision::Short => single.shortened(),
+            _ => single,
+        }
+    }
+
+    /// Keeps it in 16 bits, if it was in single precision.
+    pub(super) fn shorten(&mut self) {
+        if matches!(self, Self::Single { .. }) {
+            *self = self.shortened();
+        }
+    }
+
+    fn shortened(&self) -> Self {
+        let Self::Single { values, unit } = self else {
+            return self.clone();
+        };
+        let blocks = values.ncols().div_ceil(BLOCK);
+        let mut units = Array2::zeros((values.nrows(), blocks));
+        let mut short = Array2::zeros(values.dim());
+        let channels = short.rows_mut().into_iter().zip(units.rows_mut());
+        for ((mut short, mut units), values) in channels.zip(values.rows()) {
+            let parts = short.axis_chunks_iter_mut(Axis(0), BLOCK).into_par_iter();
+            let parts = parts.zip(values.axis_chunks_iter(Axis(0), BLOCK));
+            let parts = parts.zip(units.axis_iter_mut(Axis(0)));
+            parts
+                .with_min_len(16)
+                .for_each(|((mut short, values), mut own)| {
+                    // NaN where a value is, which then stays one.
+                    let larger = |max: f32, value: &f32| match max.is_nan() || value.abs() <= max {
+                        true => max,
+                        false => value.abs(),
+                    };
+                    let largest = values.iter().fold(0.0, larger);
+                    let factor = i16::MAX as f32 / largest;
+                    // Nothing is here, or less than single precision divides by.
+                    let is_nothing = factor == f32::INFINITY;
+                    let largest = if is_nothing { 0.0 } else { largest };
+                    own.fill(f64::from(largest) * unit / UNITS);
+                    if factor.is_finite() {
+                        let rounded =
+                            |short: &mut i16, value: &f32| *short = (value * factor).round() as i16;
+                        Zip::from(&mut short).and(&values).for_each(rounded);
+                    }
+                });
+        }
+        Self::Short {
+            values: short,
+            units,
+        }
     }
 
     /// Adds `factor` times the increment to `sum` (C, V).
@@ -68,6 +137,42 @@ impl Increment {
                 let factor = factor * unit;
                 let add = |sum: &mut f64, value: &f32| *sum += factor * f64::from(*value);
                 Zip::from(sum).and(values).par_for_each(add);
+            }
+            Self::Short { .. } => {
+                let mut sum = sum.view_mut();
+                parallel::columns_mut(&mut sum).for_each(|(first, mut columns)| {
+                    self.add_short(|_| factor, first, &mut columns);
+                });
+            }
+        }
+    }
+
+    /// Adds an increment in 16 bits, each vertex times the factor of its column, to the `columns` of a sum
+    /// from `first` on.
+    #[inline(always)]
+    fn add_short(
+        &self,
+        factor: impl Fn(usize) -> f64,
+        first: usize,
+        columns: &mut ArrayViewMut2<f64>,
+    ) {
+        let Self::Short { values, units } = self else {
+            return;
+        };
+        let count = columns.ncols();
+        let rows = columns.rows_mut().into_iter().zip(values.rows());
+        for ((row, values), units) in rows.zip(units.rows()) {
+            let row = row.into_slice().expect(CONTIGUOUS);
+            let values = &values.to_slice().expect(CONTIGUOUS)[first..first + count];
+            let mut start = 0;
+            while start < count {
+                let end = count.min((first + start) / BLOCK * BLOCK + BLOCK - first);
+                let unit = units[(first + start) / BLOCK];
+                let parts = row[start..end].iter_mut().zip(&values[start..end]);
+                for (column, (sum, value)) in (start..).zip(parts) {
+                    *sum += factor(column) * unit * f64::from(*value);
+                }
+                start = end;
             }
         }
     }
@@ -97,6 +202,7 @@ impl Increment {
                     Zip::from(&mut row).and(values).and(factors).for_each(add);
                 }
             }
+            Self::Short { .. } => self.add_short(|column| factors[column], first, columns),
         }
     }
 
@@ -105,6 +211,11 @@ impl Increment {
         match self {
             Self::Double(values) => values.clone(),
             Self::Single { values, unit } => values.mapv(|value| unit * f64::from(value)),
+            Self::Short { values, .. } => {
+                let mut sum = Array2::zeros(values.dim());
+                self.add_to(1.0, &mut sum);
+                sum
+            }
         }
     }
 
@@ -113,16 +224,23 @@ impl Increment {
         match self {
             Self::Double(values) => values.dim(),
             Self::Single { values, .. } => values.dim(),
+            Self::Short { values, .. } => values.dim(),
         }
     }
 
-    /// Whether no number of it is broken.
+    /// Whether no number of it is broken, and all are there.
     pub(super) fn is_usable(&self) -> bool {
         match self {
             Self::Double(values) => values.iter().all(|value| has_usable_size(*value)),
             Self::Single { values, unit } => {
                 let are_finite = values.iter().all(|value| value.is_finite());
                 are_finite && *unit > 0.0 && has_usable_size(*unit)
+            }
+            Self::Short { values, units } => {
+                let (channels, vertices) = values.dim();
+                let is_unit = |unit: &f64| *unit >= 0.0 && has_usable_size(*unit);
+                let is_whole = units.dim() == (channels, vertices.div_ceil(BLOCK));
+                is_whole && values.is_standard_layout() && units.iter().all(is_unit)
             }
         }
     }
@@ -132,6 +250,7 @@ impl Increment {
         match self {
             Self::Double(_) => Precision::Double,
             Self::Single { .. } => Precision::Single,
+            Self::Short { .. } => Precision::Short,
         }
     }
 }
@@ -160,7 +279,57 @@ mod tests {
                 }
             }
         }
-        let nothing = Increment::new(&Array2::zeros((1, 2)), Precision::Single);
-        assert_eq!(nothing.values(), Array2::zeros((1, 2)));
+        for precision in [Precision::Single, Precision::Short] {
+            let nothing = Increment::new(&Array2::zeros((1, 2)), precision);
+            assert!(nothing.is_usable());
+            assert_eq!(nothing.values(), Array2::zeros((1, 2)));
+        }
+    }
+
+    #[test]
+    fn short_increments_are_within_half_a_unit_of_the_largest_nearby() {
+        // Three blocks, each far larger than the one before, the last not whole.
+        let value = |channel: usize, vertex: usize| {
+            let noise = (1e4 * (vertex + 7 * channel) as f64).sin();
+            noise * 1e3_f64.powi((vertex / BLOCK) as i32) * 1e-40
+        };
+        let values = Array2::from_shape_fn((2, 2 * BLOCK + 44), |(c, v)| value(c, v));
+        let mut increment = Increment::new(&values, Precision::Single);
+        increment.shorten();
+        assert_eq!(increment.precision(), Precision::Short);
+        assert!(increment.is_usable());
+        let kept = increment.values();
+        for (channel, found) in kept.rows().into_iter().enumerate() {
+            for (vertex, found) in found.iter().enumerate() {
+                let unit = 1e3_f64.powi((vertex / BLOCK) as i32) * 1e-40 / UNITS;
+                assert!((found - values[[channel, vertex]]).abs() < 0.51 * unit);
+            }
+        }
+        // What is kept already loses no more than single precision does.
+        let again = Increment::new(&kept, Precision::Short).values();
+        let largest = kept.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
+        assert!(
+            (&again - &kept)
+                .iter()
+                .all(|off| off.abs() < 1e-7 * largest)
+        );
+        // From any column on, and with a factor for each.
+        for first in [0, 100, BLOCK, 2 * BLOCK + 1] {
+            let factors: Vec<f64> = (first..kept.ncols()).map(|v| 0.5 + v as f64).collect();
+            let mut sum = Array2::zeros((2, factors.len()));
+            increment.add_weighted(&factors, first, &mut sum.view_mut());
+            for ((channel, column), sum) in sum.indexed_iter() {
+                let expected = factors[column] * kept[[channel, first + column]];
+                assert!((sum - expected).abs() <= 1e-12 * expected.abs());
+            }
+        }
+    }
+
+    #[test]
+    fn short_increments_hide_no_broken_value() {
+        let values = arr2(&[[1.0, f64::NAN, 0.5]]);
+        let increment = Increment::new(&values, Precision::Short);
+        assert!(!increment.is_usable());
+        assert!(increment.values().iter().any(|value| value.is_nan()));
     }
 }

@@ -157,7 +157,8 @@ impl Eigenpairs {
                 false => without(state, origin),
             }
         };
-        Trajectory::sampled_with(operators, times, initial, state, stage)
+        let flow = Trajectory::sampled_with(operators, times, initial, state, stage)?;
+        Ok(flow.piecewise_linear())
     }
 
     /// Whether the constants of all components are among the eigenfunctions.
@@ -213,7 +214,7 @@ impl Inverse {
         let shift = SHIFT / operators.area();
         let diagonal: Vec<f64> = masses.iter().map(|mass| shift * mass).collect();
         let stiffness =
-            |face: usize| element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
+            |face: usize| element_stiffness(&gradient.hats(face), gradient.face_areas()[face]);
         let mut system = operators.pattern().zeros();
         let mut factor = operators.cholesky(stage)?;
         let pattern = operators.pattern();

@@ -23,11 +23,22 @@ impl<'a> Line<'a> {
         state: &SideBySide,
         direction: &SideBySide,
     ) -> Self {
+        let products = gradient.products(state, direction);
+        Self::of_products(law, gradient.face_areas(), norms, products)
+    }
+
+    /// The line whose ⟨∇u, ∇δ⟩ and |∇δ|² are known.
+    pub fn of_products(
+        law: &'a dyn Law,
+        areas: &'a [f64],
+        norms: Vec<f64>,
+        products: Vec<[f64; 2]>,
+    ) -> Self {
         Self {
             law,
-            areas: gradient.face_areas(),
+            areas,
             norms,
-            products: gradient.products(state, direction),
+            products,
         }
     }
 

@@ -42,6 +42,11 @@ impl Means {
         }
     }
 
+    /// Whether the mesh is of one piece.
+    pub fn is_of_one_component(&self) -> bool {
+        self.count == 1
+    }
+
     /// Shifts every component of `increment` (C, V), which starts at the state u, so that it has
     /// the mean that `step` gives it with these `masses`. Returns the largest shift, relative to
     /// the largest increment of the component.

@@ -4,7 +4,9 @@
 //! ways to step. A new flow is a new law. `laplace_beltrami` computes its states without steps.
 
 mod conformal;
+mod correction;
 mod descent;
+mod dual_steps;
 mod duality_gap;
 mod force;
 mod function;
@@ -22,6 +24,7 @@ mod recorder;
 mod rigid_parts;
 mod sampled;
 mod semi_implicit;
+mod step_system;
 mod stepping;
 mod time_step;
 mod times;

@@ -25,12 +25,14 @@ pub(super) struct Solution {
 /// TV relative to the initial one below which nothing is left to decay.
 const EXTINCT: f64 = 1e-9;
 
-/// The trajectory so far, and its last two states as they were solved for, apart from a constant.
+/// Increments that the next is extrapolated from. Those before may lose digits that are not worth keeping.
+const LATEST: usize = 3;
+
+/// The trajectory so far, and its last state as it was solved for, apart from a constant.
 pub(super) struct Recorder {
     trajectory: Trajectory,
     origin: Array1<f64>,
     state: Array2<f64>,
-    previous: Option<Array2<f64>>,
 }
 
 impl Recorder {
@@ -46,6 +48,7 @@ impl Recorder {
             increments: Vec::with_capacity(times.len() - 1),
             total_variation: vec![operators.total_variation(initial.view())],
             gaps: Vec::new(),
+            is_piecewise_linear: false,
             initial,
         };
         let origin = origin_of(trajectory.initial.view());
@@ -53,7 +56,6 @@ impl Recorder {
             state: without(trajectory.initial.clone(), &origin),
             origin,
             trajectory,
-            previous: None,
         })
     }
 
@@ -65,11 +67,6 @@ impl Recorder {
     /// The last state recorded, (C, V).
     pub fn state(&self) -> ArrayView2<'_, f64> {
         self.state.view()
-    }
-
-    /// The state before, from the second on.
-    pub fn previous(&self) -> Option<ArrayView2<'_, f64>> {
-        self.previous.as_ref().map(|state| state.view())
     }
 
     /// The increments so far.
@@ -103,9 +100,19 @@ impl Recorder {
         self.trajectory.gaps.push(gap);
         let previous = std::mem::replace(&mut self.state, solution.state);
         let (before, now) = (previous.view(), self.state.view());
-        let increment = Increment::between(before, now, solution.precision);
-        self.trajectory.increments.push(increment);
-        self.previous = Some(previous);
+        let is_short = solution.precision == Precision::Short;
+        let precision = match is_short {
+            true => Precision::Single,
+            false => solution.precision,
+        };
+        let increment = Increment::between(before, now, precision);
+        let increments = &mut self.trajectory.increments;
+        increments.push(increment);
+        let earlier = increments.len().checked_sub(LATEST + 1);
+        let earlier = earlier.filter(|_| is_short);
+        if let Some(earlier) = earlier.and_then(|place| increments.get_mut(place)) {
+            earlier.shorten();
+        }
     }
 
     /// The finished trajectory.

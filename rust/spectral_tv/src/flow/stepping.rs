@@ -17,8 +17,9 @@ use crate::solver::{Demand, Solver};
 named! {
     /// How a step takes its weights.
     pub enum Scheme: "scheme" {
-        /// Extrapolated to the end of the step, with BDF2 and one correction by the same matrix: a
-        /// sixth of the lagged error for a third more time.
+        /// Extrapolated to the end of the step, with BDF2 and corrections by the same matrix: a sixth of
+        /// the lagged error for a third more time. TV of single functions takes two iterations of
+        /// Newton's method in each step instead.
         #[default]
         Extrapolated = "extrapolated",
         /// At the last state, with backward Euler: the paper's step.

@@ -1,6 +1,9 @@
 //! One implicit step in time as a proximal problem, given by its data and its length.
 
-use ndarray::{Array2, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView2};
+
+use crate::flow::increment::Increment;
+use crate::parallel;
 
 /// Growth of the step beyond which variable-step BDF2 is not trusted (it is zero-stable below
 /// 1 + √2; Grigorieff 1983).
@@ -20,8 +23,8 @@ pub struct TimeStep {
 pub struct History<'a> {
     /// u(t_k), (C, V).
     pub state: ArrayView2<'a, f64>,
-    /// u(t_{k−1}) and t_k − t_{k−1}, from the second step on.
-    pub previous: Option<(ArrayView2<'a, f64>, f64)>,
+    /// u(t_k) − u(t_{k−1}) and t_k − t_{k−1}, from the second step on.
+    pub previous: Option<(&'a Increment, f64)>,
 }
 
 impl TimeStep {
@@ -37,19 +40,44 @@ impl TimeStep {
     pub fn bdf2(state: ArrayView2<f64>, usable: &Usable, dt: f64) -> Self {
         let growth = usable.growth;
         let kappa = growth * growth / (1.0 + 2.0 * growth);
+        let mut data = state.to_owned();
+        usable.increment.add_to(kappa, &mut data);
         Self {
-            data: Zip::from(&state)
-                .and(&usable.previous)
-                .par_map_collect(|now, before| now + kappa * (now - before)),
+            data,
             tau: dt * (1.0 + growth) / (1.0 + 2.0 * growth),
         }
     }
+
+    /// ⟨û − u, d⟩ in the mass M = `masses`, for a state u and a direction d, (C, V) each.
+    pub fn pull<'a>(
+        &'a self,
+        masses: &[f64],
+        state: ArrayView2<'a, f64>,
+        direction: ArrayView2<'a, f64>,
+    ) -> f64 {
+        parallel::sum(masses.len(), |vertices| {
+            let masses = &masses[vertices.clone()];
+            let part = |values: ArrayView2<'a, f64>| parallel::columns(values, vertices.clone());
+            let [data, state, direction] = [self.data.view(), state, direction].map(part);
+            let channels = data.rows().into_iter().zip(state.rows());
+            let channels = channels.zip(direction.rows());
+            channels
+                .map(|((data, state), direction)| {
+                    let values = data.iter().zip(state).zip(direction).zip(masses);
+                    let terms = values.map(|(((data, state), direction), mass)| {
+                        mass * (data - state) * direction
+                    });
+                    terms.sum::<f64>()
+                })
+                .sum()
+        })
+    }
 }
 
-/// A state before the last that can be extrapolated from.
+/// A step before that can be extrapolated from.
 pub struct Usable<'a> {
-    /// u₋, (C, V).
-    pub previous: ArrayView2<'a, f64>,
+    /// u − u₋, (C, V).
+    pub increment: &'a Increment,
     /// ω = Δt/Δt₋.
     pub growth: f64,
 }
@@ -58,8 +86,8 @@ impl<'a> History<'a> {
     /// What a step of length `dt` can be extrapolated from; `None` where there is no history or
     /// the step grows too much.
     pub fn usable(&self, dt: f64) -> Option<Usable<'a>> {
-        let (previous, previous_dt) = self.previous?;
+        let (increment, previous_dt) = self.previous?;
         let growth = dt / previous_dt;
-        (growth <= LARGEST_GROWTH).then_some(Usable { previous, growth })
+        (growth <= LARGEST_GROWTH).then_some(Usable { increment, growth })
     }
 }

@@ -23,6 +23,8 @@ pub struct Trajectory {
     pub total_variation: Vec<f64>,
     /// Duality gap of each step relative to τ TV at its start, N; 0 for linear steps.
     pub gaps: Vec<f64>,
+    /// Whether the flow is linear between its times, as far as it is meant.
+    pub(super) is_piecewise_linear: bool,
 }
 
 impl Trajectory {
@@ -62,6 +64,7 @@ impl Trajectory {
                 increments,
                 total_variation,
                 gaps,
+                is_piecewise_linear: false,
             }),
             false => Err(ArgumentError::contradiction(
                 "increments",
@@ -70,6 +73,19 @@ impl Trajectory {
             )
             .into()),
         }
+    }
+
+    /// The same flow, known to be linear between its times: its spectrum lies at these times alone.
+    pub fn piecewise_linear(self) -> Self {
+        Self {
+            is_piecewise_linear: true,
+            ..self
+        }
+    }
+
+    /// Whether the flow is linear between its times.
+    pub fn is_piecewise_linear(&self) -> bool {
+        self.is_piecewise_linear
     }
 
     /// u(t_{k+1}) − u(t_k), N.
@@ -193,6 +209,7 @@ impl Trajectory {
             times,
             total_variation,
             gaps,
+            is_piecewise_linear: false,
         }
     }
 }

@@ -13,7 +13,7 @@ mod weld;
 use std::ops::RangeInclusive;
 use std::sync::{Arc, OnceLock};
 
-use crate::error::{Error, Result};
+use crate::error::{ArgumentError, Error, Result};
 use crate::parallel;
 use components::surface_count;
 pub(crate) use components::{component_count, components_of};
@@ -52,7 +52,7 @@ pub struct TriangleMesh {
     done: Option<Findings>,
     /// The same with what is counted only when it is asked for.
     findings: OnceLock<Findings>,
-    /// The thickness at every vertex, once [`crate::thickness`] has measured it.
+    /// The thickness at every vertex, once [`crate::thickness`] has measured it, or it was given.
     pub(crate) thickness: Arc<OnceLock<Vec<f64>>>,
 }
 
@@ -133,6 +133,33 @@ impl TriangleMesh {
         Self::measured(vertices, triangles, Some(own_lengths))
     }
 
+    /// The same mesh with a thickness of the shape, (V) lengths, in place of the measured one; see
+    /// [`crate::thickness`].
+    ///
+    /// # Errors
+    /// If there is not one length per vertex, or one is negative, not finite, or beyond 1e100.
+    pub fn with_thickness(&self, thickness: Vec<f64>) -> Result<Self> {
+        let count = self.vertex_count();
+        if thickness.len() != count {
+            let rule = format!("must have one value per vertex ({count})");
+            return Err(ArgumentError::count("thickness", rule, thickness.len()).into());
+        }
+        if let Some(vertex) = thickness.iter().position(|r| !(0.0..=1e100).contains(r)) {
+            let name = format!("thickness[{vertex}]");
+            let rule = "must be 0 or more and at most 1e100";
+            return Err(ArgumentError::value(name, rule, thickness[vertex]).into());
+        }
+        Ok(Self {
+            thickness: Arc::new(OnceLock::from(thickness)),
+            ..self.clone()
+        })
+    }
+
+    /// The thickness, if it was measured or given.
+    pub fn known_thickness(&self) -> Option<&[f64]> {
+        self.thickness.get().map(Vec::as_slice)
+    }
+
     fn measured(
         vertices: Vec<[f64; 3]>,
         triangles: Arc<[[u32; 3]]>,
@@ -194,6 +221,11 @@ impl TriangleMesh {
 
     /// Area of each triangle, length².
     pub fn face_areas(&self) -> &[f64] {
+        &self.face_areas
+    }
+
+    /// [`Self::face_areas`], to be shared.
+    pub(crate) fn shared_face_areas(&self) -> &Arc<[f64]> {
         &self.face_areas
     }
 

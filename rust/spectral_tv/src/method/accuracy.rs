@@ -13,13 +13,13 @@ use crate::error::{ArgumentError, Error, Result};
 use crate::flow::{Scheme, Trajectory, check_steps, velocity};
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
-use crate::method::band_errors::{band_errors, bands, lengths};
+use crate::method::band_errors::{band_errors, lengths};
 use crate::method::decompose::run_flows;
 use crate::method::representation::{Flowed, Representation, no_time_steps};
 use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, graded_times};
 use crate::monitor::{Monitor, Stage};
-use crate::spectral::{SpectralTransform, ThicknessCut, even_edges};
+use crate::spectral::{SpectralTransform, ThicknessCut, band_between, even_edges};
 
 /// Share of the progress that is given to the representation.
 const REPRESENTATION_SHARE: f64 = 0.1;
@@ -157,12 +157,18 @@ pub fn accuracy_with(
         done += count;
         let mut settings = settings.clone();
         settings.stepping.scheme = scheme;
-        run_flows(&operators, &flows, &settings, &times(count)?, stage)
+        let again = flows
+            .iter()
+            .map(|Flowed { law, values }| (&**law, values.clone()));
+        run_flows(&operators, again, &settings, &times(count)?, stage)
     };
     let cut = ThicknessCut::new(mesh, request.keep_limbs, share)?;
-    let bands = |trajectory: &Trajectory| match &cut {
-        None => bands(trajectory, &edges),
-        Some(cut) => cut.clone().bands(trajectory, &edges).collect(),
+    let bands = |trajectory: &Trajectory| -> Vec<_> {
+        let whole = |edge: &[f64]| band_between(trajectory, [edge[0], edge[1]]);
+        match &cut {
+            None => edges.windows(2).map(whole).collect(),
+            Some(cut) => cut.clone().bands(trajectory, &edges).collect(),
+        }
     };
     let refined = bands(&run(settings.stepping.scheme, refined)?);
     let mut measure = |scheme: Scheme, is_paper: bool| {
@@ -227,11 +233,13 @@ fn paper_all_pass(
     transform: &SpectralTransform,
     stage: Stage,
 ) -> Result<Array2<f64>> {
-    let ones = vec![1.0; transform.component_times().len()];
-    let times = transform.times();
+    let (times, trajectory) = (transform.times(), transform.trajectory());
     let last = times.len() - 1;
-    let end = transform.trajectory().combined(&vec![1.0; last]);
-    let mut shape = transform.combination(&ones) + &end;
+    let end = trajectory.combined(&vec![1.0; last]);
+    // Σ φ_k = u(0) − u_N − t_N p_{N−1}, with p of the last step.
+    let mut factors = vec![0.0; last];
+    factors[last - 1] = times[last] / (times[last] - times[last - 1]);
+    let mut shape = trajectory.combined(&factors);
     let mut first = 0;
     for Flowed { law, values } in flows {
         let channels = first..first + values.nrows();

@@ -5,9 +5,9 @@ use ndarray::Array2;
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::flow::Trajectory;
-use crate::method::band_errors::{bands, lengths, norm};
+use crate::method::band_errors::{lengths, norm};
 use crate::monitor::Stage;
-use crate::spectral::even_edges;
+use crate::spectral::{band_between, even_edges};
 
 /// Steps of the first flow, where no times are given.
 pub(super) const FEWEST_STEPS: usize = 12;
@@ -49,7 +49,10 @@ pub(super) fn adapted(
         let until = done + SHARE * (1.0 - done);
         let trajectory = flow(&times(steps)?, stage.stage(done, until))?;
         done = until;
-        let bands = bands(&trajectory, &edges);
+        let bands = edges
+            .windows(2)
+            .map(|edge| band_between(&trajectory, [edge[0], edge[1]]));
+        let bands = bands.collect();
         Ok((trajectory, bands))
     };
     let mut steps = fewest;

@@ -2,46 +2,6 @@
 
 use ndarray::{Array1, Array2, Axis};
 
-use crate::flow::Trajectory;
-
-/// The bands between `edges`, (C, V) each, with components spread evenly around their times.
-///
-/// Sums of components of the same flow at other times differ by what falls to the wrong side of
-/// an edge; u − t u_t, interpolated linearly between the midpoints of the steps, does not.
-pub(super) fn bands(trajectory: &Trajectory, edges: &[f64]) -> Vec<Array2<f64>> {
-    let times = &trajectory.times;
-    let steps = times.len() - 1;
-    // u at t = 0, and from then on at the middle of step k − 1.
-    let node = |k: usize| match k {
-        0 => 0.0,
-        k => 0.5 * (times[k - 1] + times[k]),
-    };
-    // Of every step's increment, how much of it is in u − t u_t at a node, u(0) apart.
-    let share_of = |step: usize, k: usize| match step + 1 {
-        later if later > k => 0.0,
-        last if last == k => -times[step] / (times[k] - times[step]),
-        _ => 1.0,
-    };
-    let intercept = |edge: f64| {
-        let k = (1..steps).find(|&k| edge < node(k)).unwrap_or(steps);
-        let share = (edge - node(k - 1)) / (node(k) - node(k - 1));
-        let factor =
-            |step: usize| (1.0 - share) * share_of(step, k - 1) + share * share_of(step, k);
-        // u(0) apart, which is the same at every edge.
-        let mut value = Array2::zeros(trajectory.initial().dim());
-        trajectory.add_increments(&(0..steps).map(factor).collect::<Vec<_>>(), &mut value);
-        value
-    };
-    let mut before = intercept(edges[0]);
-    let mut bands = Vec::with_capacity(edges.len() - 1);
-    for &edge in &edges[1..] {
-        let after = intercept(edge);
-        bands.push(&before - &after);
-        before = after;
-    }
-    bands
-}
-
 /// The least norm of a band that errors are relative to, in that of the largest: what is less is
 /// rounding.
 const LEAST_BAND: f64 = 1e-12;

@@ -10,6 +10,7 @@ use crate::mesh::TriangleMesh;
 use crate::method::requirements::decomposition_memory_of;
 use crate::method::{Settings, decompose_with};
 use crate::monitor::{Monitor, Stage};
+use crate::operators::positions;
 
 /// The filter: H = 0 below `smooth`, `gain` from `from` to `to`, 1 elsewhere. Times are relative to
 /// the area of each shape, so that the filter means the same on every pose and size.
@@ -30,14 +31,24 @@ pub struct Exaggeration {
 impl Exaggeration {
     /// H at a time, for a shape of this area.
     pub fn at(&self, time: f64, area: f64) -> f64 {
-        let relative = time / area;
-        if self.from <= relative && relative < self.to {
+        if self.from * area <= time && time < self.to * area {
             self.gain
-        } else if relative < self.smooth {
+        } else if time < self.smooth * area {
             0.0
         } else {
             1.0
         }
+    }
+
+    /// Between which times H is constant, for a shape of this area that was flowed through `times`; it is 1
+    /// beyond the last.
+    fn edges(&self, area: f64, times: &[f64]) -> Vec<f64> {
+        let end = times[times.len() - 1];
+        let mut edges = [0.0, self.smooth, self.from, self.to].map(|edge| (edge * area).min(end));
+        edges.sort_by(f64::total_cmp);
+        let mut edges = edges.to_vec();
+        edges.dedup();
+        edges
     }
 
     fn check(&self) -> Result<()> {
@@ -121,9 +132,16 @@ pub fn caricature_with(
     let treat = |(index, mesh): (usize, &&TriangleMesh)| {
         let stage = stage.part(index, meshes.len());
         let split = decompose_with(mesh, settings, stage)?;
-        let times = split.component_times().iter();
-        let gains: Vec<f64> = times.map(|&time| filter.at(time, mesh.area())).collect();
-        split.filter_keeping_limbs_with(&gains, filter.keep_limbs, stage)
+        let edges = filter.edges(mesh.area(), split.times());
+        let mut shape = positions(mesh);
+        if edges.len() < 2 {
+            return Ok(shape);
+        }
+        let bands = split.bands_keeping_limbs_with(&edges, filter.keep_limbs, stage)?;
+        for (start, band) in edges.iter().zip(bands) {
+            shape.scaled_add(filter.at(*start, mesh.area()) - 1.0, &band);
+        }
+        Ok(shape)
     };
     meshes.iter().enumerate().map(treat).collect()
 }

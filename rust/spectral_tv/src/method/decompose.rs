@@ -1,10 +1,10 @@
 //! From a mesh and a method to a decomposition.
 
-use ndarray::Array1;
+use ndarray::{Array1, Array2};
 
 use crate::discretization::Discretization;
 use crate::error::Result;
-use crate::flow::{Eigenpairs, Trajectory, check_times, without};
+use crate::flow::{Eigenpairs, Law, Trajectory, check_times, without};
 use crate::mesh::TriangleMesh;
 use crate::method::adaptive_steps::{FEWEST_STEPS, adapted, subdivided};
 use crate::method::facts::Work;
@@ -68,43 +68,60 @@ fn by_steps(
     let takes_base = settings.method.facts().takes_base;
     let share = if takes_base { BASE_SHARE } else { 0.0 };
     let Representation {
-        flows,
+        mut flows,
         displacement,
         along,
     } = Representation::new(mesh, operators, settings, stage.stage(0.0, share))?;
     let used = along.as_ref().map_or(operators, |(_, operators)| operators);
-    let flow = |times: &[f64], stage: Stage| run_flows(used, &flows, settings, times, stage);
     let times = |steps: usize| settings.default_times(mesh.area(), steps);
     let rest = stage.stage(share, 1.0);
-    let trajectory = match (settings.accuracy, &settings.times) {
-        (None, Some(times)) => flow(times, rest)?,
-        (None, None) => flow(&times(settings.steps)?, rest)?,
-        (Some(accuracy), Some(given)) => {
-            check_times(given)?;
-            let fewest = given.len() - 1;
-            let times = |steps: usize| Ok(subdivided(given, steps));
-            adapted(used, accuracy, fewest, times, flow, rest)?
+    let trajectory = if let Some(accuracy) = settings.accuracy {
+        let flow = |times: &[f64], stage: Stage| {
+            let again = flows
+                .iter()
+                .map(|Flowed { law, values }| (&**law, values.clone()));
+            run_flows(used, again, settings, times, stage)
+        };
+        match &settings.times {
+            Some(given) => {
+                check_times(given)?;
+                let fewest = given.len() - 1;
+                let times = |steps: usize| Ok(subdivided(given, steps));
+                adapted(used, accuracy, fewest, times, flow, rest)?
+            }
+            None => adapted(used, accuracy, FEWEST_STEPS, times, flow, rest)?,
         }
-        (Some(accuracy), None) => adapted(used, accuracy, FEWEST_STEPS, times, flow, rest)?,
+    } else {
+        let times = match &settings.times {
+            Some(times) => times.clone(),
+            None => times(settings.steps)?,
+        };
+        // Flowed once, so nobody keeps their values.
+        let once = flows
+            .iter_mut()
+            .map(|Flowed { law, values }| (&**law, std::mem::take(values)));
+        run_flows(used, once, settings, &times, rest)?
     };
     *base = along.map(|(mesh, _)| mesh);
     Ok((trajectory, displacement))
 }
 
 /// Runs functions one after the other, the result as the flow of one function with all channels.
-pub(super) fn run_flows(
+pub(super) fn run_flows<'a>(
     operators: &Discretization,
-    flows: &[Flowed],
+    flows: impl ExactSizeIterator<Item = (&'a dyn Law, Array2<f64>)>,
     settings: &Settings,
     times: &[f64],
     stage: Stage,
 ) -> Result<Trajectory> {
-    let run = |(index, Flowed { law, values }): (usize, &Flowed)| {
-        let stage = stage.part(index, flows.len());
-        let stepping = settings.stepping;
-        stepping.run_with(operators, &**law, values.clone(), times, stage)
+    let count = flows.len();
+    let run = |(index, (law, values))| {
+        let stage = stage.part(index, count);
+        settings
+            .stepping
+            .run_with(operators, law, values, times, stage)
     };
-    let trajectories: Vec<_> = flows.iter().enumerate().map(run).collect::<Result<_>>()?;
+    let trajectories: Vec<_> = flows.enumerate().map(run).collect::<Result<_>>()?;
     Ok(Trajectory::side_by_side(trajectories))
 }
 
@@ -143,5 +160,6 @@ fn by_base(
     let times = [0.0, time, 2.0 * time];
     let initial = positions(mesh);
     let state = |_, origin: &Array1<f64>| without(shape.clone(), origin);
-    Trajectory::sampled_with(operators, &times, initial, state, stage)
+    let flow = Trajectory::sampled_with(operators, &times, initial, state, stage)?;
+    Ok(flow.piecewise_linear())
 }

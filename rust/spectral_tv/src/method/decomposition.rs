@@ -136,8 +136,8 @@ impl Decomposition {
         self.shape(self.transform.residual())
     }
 
-    /// The displacement that each band between neighbouring `edges` adds, (3, V) each: the sum
-    /// of φ_k over edge_i ≤ t_k < edge_{i+1}. Each is summed up when it is asked for.
+    /// The displacement that each band between neighbouring `edges` adds, (3, V) each: see
+    /// [`SpectralTransform::bands`]. Each is summed up when it is asked for.
     ///
     /// # Errors
     /// If the edges do not increase.

@@ -57,16 +57,21 @@ fn steps_worth(size: f64, settings: &Settings) -> f64 {
         Scheme::Lagged => 0.47,
         Scheme::Exact => 1.9,
     };
+    // Steps of one channel are two of Newton's.
+    let newton = match settings.stepping.scheme {
+        Scheme::Extrapolated => 1.8,
+        _ => 1.0,
+    };
     // A step of three channels and of one. Factors fill up as the mesh grows, and iterations miss
     // the caches.
     let (three, one) = match settings.is_iterated(size as usize) {
         true => {
-            let step = scheme * 1.15 * (size / 4e4).max(0.1).powf(0.19);
-            (step, 1.9 * step)
+            let step = scheme * 0.9 * (size / 4e4).max(0.1).powf(0.19);
+            (step, 1.9 * newton * step)
         }
         false => {
             let step = scheme * 0.68 * (size / (SIDE * SIDE) as f64).max(1.0).powf(0.27);
-            (step, 0.8 * step)
+            (step, 0.8 * newton * step)
         }
     };
     let facts = settings.method.facts();

@@ -49,7 +49,7 @@ pub(super) fn outward_signs(
             gradient.triangles()[face].map(|corner| displacements.column(corner as usize));
         let products = [j.dot(&k), k.dot(&i), i.dot(&j)];
         let scale = COHERENCE * operators.area() * gradient.face_areas()[face] / (mean * mean);
-        let cotangents = element_stiffness(&gradient.hats()[face], scale);
+        let cotangents = element_stiffness(&gradient.hats(face), scale);
         std::array::from_fn(|edge| (-cotangents[edge]).max(0.0) * products[edge])
     };
     let faces = gradient.triangles().len();
@@ -74,7 +74,8 @@ pub(super) fn outward_signs(
     let mut couplings = pattern.zeros();
     let stiffness = |face: usize| face_couplings[face];
     stage.pass(|| pattern.assemble(gradient, &diagonal, stiffness, &mut couplings))?;
-    solver.set_matrix(&diagonal, couplings.data(), 1.0, stage)?;
+    let (_, _, couplings) = couplings.into_raw_storage();
+    solver.set_matrix(&diagonal, couplings, 1.0, stage)?;
     let mut data = Array2::zeros((1, lengths.len()));
     for (vertex, (displacement, normal)) in columns().zip(normals.columns()).enumerate() {
         data[[0, vertex]] = masses[vertex] * displacement.dot(&normal) / mean;

@@ -58,9 +58,7 @@ impl PrimalDualNewton {
         stage: Stage,
     ) -> Result<Array2<f64>> {
         self.factorize(energy, reweighted_stiffness(energy, slope), stage)?;
-        let mut direction = descent.clone();
-        self.cholesky.solve_in_place(&mut direction);
-        Ok(direction)
+        Ok(self.cholesky.solve(descent.view()))
     }
 
     /// The Newton direction: (M + τ Gᵀ A H G) δ = `descent`, H the symmetrised derivative.
@@ -80,9 +78,7 @@ impl PrimalDualNewton {
                 // H may be singular but for rounding, on needles. Reweighting always descends.
                 return self.reweighted(energy, slope, descent, stage);
             }
-            let mut direction = descent.clone();
-            self.cholesky.solve_in_place(&mut direction);
-            return Ok(direction);
+            return Ok(self.cholesky.solve(descent.view()));
         }
         self.factorize(energy, reweighted_stiffness(energy, slope), stage)?;
         let (cholesky, dual) = (&mut self.cholesky, &self.dual);
@@ -204,7 +200,7 @@ fn reweighted_stiffness(energy: &Energy, slope: &Slope) -> impl Fn(usize) -> [f6
     let gradient = energy.operators.gradient();
     move |face| {
         // The area first: its product with ∇λ ∇λ′ has no unit.
-        let edges = element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
+        let edges = element_stiffness(&gradient.hats(face), gradient.face_areas()[face]);
         let scale = energy.tau * slope.weights[face];
         edges.map(|edge| scale * edge)
     }
@@ -219,7 +215,7 @@ fn newton_stiffness(
 ) -> impl Fn(usize) -> [f64; 3] {
     let gradient = energy.operators.gradient();
     move |face| {
-        let hats = &gradient.hats()[face];
+        let hats = &gradient.hats(face);
         let along = |v: FaceVector| hats.map(|hat| hat[0] * v[0] + hat[1] * v[1]);
         let (z, g) = (along(dual[face]), along(slope.gradients[0][face]));
         let (area, weight) = (gradient.face_areas()[face], slope.weights[face]);

@@ -27,7 +27,7 @@ pub struct EdgeElements {
     corners: Arc<[[u32; 3]]>,
     /// The edges opposite to them.
     edges: Arc<[[u32; 3]]>,
-    face_areas: Vec<f64>,
+    face_areas: Arc<[f64]>,
     vertex_areas: Vec<f64>,
 }
 
@@ -47,15 +47,16 @@ impl EdgeElements {
             false => entry - i.min(j) - 1,
         };
         let corners = Arc::clone(mesh.triangles());
+        let entries = stage.pass(|| pattern.edge_entries(&corners))?;
         let of_face = |face: usize| {
-            let ([i, j, k], [a, b, c]) = (corners[face], pattern.edge_entries()[face]);
+            let ([i, j, k], [a, b, c]): ([u32; 3], [u32; 3]) = (corners[face], entries[face]);
             [edge_of(a, [j, k]), edge_of(b, [k, i]), edge_of(c, [i, j])]
         };
         let edges = stage.pass(|| parallel::values(corners.len(), of_face))?;
         Ok(Self {
             ends,
             edges: edges.into(),
-            face_areas: mesh.face_areas().to_vec(),
+            face_areas: Arc::clone(mesh.shared_face_areas()),
             vertex_areas: mesh.vertex_areas().to_vec(),
             corners,
         })
@@ -64,12 +65,12 @@ impl EdgeElements {
     /// D: ∇w = −2 Σ_k w_k ∇λ_k on each triangle, λ_k the hat function of the corner opposite to edge k
     /// and `gradient` that of the hat functions.
     pub fn gradient(&self, gradient: &Gradient) -> Gradient {
-        let hats = gradient.hats().iter();
+        let hats = gradient.later_hats().iter();
         let hats = hats.map(|hats| hats.map(|hat| hat.map(|component| -2.0 * component)));
         Gradient::of_functions(
             hats.collect(),
             Arc::clone(&self.edges),
-            gradient.face_areas().to_vec(),
+            Arc::clone(&self.face_areas),
             self.ends.len(),
         )
     }
@@ -77,7 +78,7 @@ impl EdgeElements {
     /// M: a third of the area of each edge's triangles, length², E; 0 for edges without area.
     pub fn areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.ends.len()];
-        for (edges, area) in self.edges.iter().zip(&self.face_areas) {
+        for (edges, area) in self.edges.iter().zip(&*self.face_areas) {
             for &edge in edges {
                 areas[edge as usize] += area / 3.0;
             }
@@ -145,7 +146,7 @@ impl EdgeElements {
             .corners
             .iter()
             .zip(self.edges.iter())
-            .zip(&self.face_areas);
+            .zip(&*self.face_areas);
         for ((corners, edges), &area) in faces {
             if area > 0.0 {
                 let values = edges.map(|edge| w[edge as usize]);

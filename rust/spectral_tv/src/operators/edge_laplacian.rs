@@ -3,28 +3,31 @@
 //! Every value is gathered and none scattered. So threads can share the work, and the results do
 //! not depend on how they do.
 
+use std::sync::Arc;
+
 use ndarray::{Array2, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::graph::Graph;
 use crate::monitor::Stage;
 use crate::operators::side_by_side::{Lanes, SideBySide, WIDTH};
-use crate::operators::{Gradient, LaplacianPattern, Neighbour};
+use crate::operators::{Gradient, LaplacianPattern, element_stiffness};
 use crate::parallel;
+
+/// No corner of a face.
+const NONE: u32 = u32::MAX;
 
 /// The edges of a mesh, with the faces and the neighbours at each.
 #[derive(Debug, Clone)]
 pub struct EdgeLaplacian {
-    /// The first two faces at each entry of the pattern, and −A ⟨∇λ, ∇λ′⟩ on them, for the hat
-    /// functions of the edge's ends; 0 for what there is not, as at diagonal entries.
-    faces: Vec<[u32; 2]>,
-    cotangents: Vec<[f64; 2]>,
-    /// The same for further faces, with the entry and the face: edges are rarely non-manifold.
-    further: Vec<(u32, u32, f64)>,
-    /// First neighbour of each vertex, and their number at the end.
-    starts: Vec<u32>,
-    /// The neighbours, and their entries of the pattern.
-    neighbours: Vec<Neighbour>,
+    /// The corners of the first two faces at each entry of the pattern that face the edge, three times the
+    /// face and the corner's place in it; [`NONE`] for what there is not, as at diagonal entries.
+    corners: Vec<[u32; 2]>,
+    /// Entry and corner of further faces: edges are rarely non-manifold.
+    further: Vec<(u32, u32)>,
+    /// Shared with solvers.
+    graph: Arc<Graph>,
 }
 
 impl EdgeLaplacian {
@@ -33,56 +36,50 @@ impl EdgeLaplacian {
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn new(gradient: &Gradient, pattern: &LaplacianPattern, stage: Stage) -> Result<Self> {
-        let edges = pattern.edge_entries();
-        let (starts, order) = grouped(edges.as_flattened(), pattern.entry_count(), stage)?;
-        let cotangent = |corner: u32| {
-            let (face, corner) = (corner as usize / 3, corner as usize % 3);
-            let hats = &gradient.hats()[face];
-            let (p, q) = (hats[(corner + 1) % 3], hats[(corner + 2) % 3]);
-            -gradient.face_areas()[face] * (p[0] * q[0] + p[1] * q[1])
-        };
-        let corners = |ends: &[u32]| &order[ends[0] as usize..ends[1] as usize];
-        let both = |ends: &[u32], which: usize| corners(ends).get(which).copied();
-        let entries = || starts.par_windows(2);
-        let faces = |ends: &[u32]| [0, 1].map(|i| both(ends, i).map_or(0, |corner| corner / 3));
-        let faces = stage.pass(|| parallel::map(entries(), faces))?;
-        let cotangents = |ends: &[u32]| [0, 1].map(|i| both(ends, i).map_or(0.0, cotangent));
-        let cotangents = stage.pass(|| parallel::map(entries(), cotangents))?;
+        let edges = stage.pass(|| pattern.edge_entries(gradient.triangles()))?;
+        let mut corners = vec![[NONE; 2]; pattern.entry_count()];
         let mut further = Vec::new();
-        stage.for_each(starts.windows(2).enumerate(), |(entry, ends)| {
-            let corners = corners(ends).iter().skip(2);
-            further.extend(corners.map(|&corner| (entry as u32, corner / 3, cotangent(corner))));
-        })?;
-        let (starts, neighbours) = pattern.neighbours(stage)?;
+        stage.for_each(
+            edges.as_flattened().iter().enumerate(),
+            |(corner, &entry)| {
+                let places = &mut corners[entry as usize];
+                match places.iter_mut().find(|place| **place == NONE) {
+                    Some(place) => *place = corner as u32,
+                    None => further.push((entry, corner as u32)),
+                }
+            },
+        )?;
+        drop(edges);
         Ok(Self {
-            faces,
-            cotangents,
+            corners,
             further,
-            starts,
-            neighbours,
+            graph: Arc::clone(pattern.graph()),
         })
     }
 
-    /// c of every entry of the pattern for the weights w of the faces; 0 for diagonal entries.
-    pub fn couplings(&self, weights: &[f64]) -> Vec<f64> {
-        if weights.is_empty() {
-            return vec![0.0; self.faces.len()];
-        }
-        let coupling = |(faces, cotangents): (&[u32; 2], &[f64; 2])| {
-            let (a, b) = (weights[faces[0] as usize], weights[faces[1] as usize]);
-            cotangents[0] * a + cotangents[1] * b
-        };
-        let entries = self.faces.par_iter().zip(&self.cotangents);
-        let mut couplings = parallel::map(entries, coupling);
-        for &(entry, face, cotangent) in &self.further {
-            couplings[entry as usize] += cotangent * weights[face as usize];
+    /// c of every entry of the pattern for the weights w of the faces of `gradient`; 0 for diagonal entries.
+    pub fn couplings(&self, gradient: &Gradient, weights: &[f64]) -> Vec<f64> {
+        let areas = gradient.face_areas();
+        let share =
+            |face: usize| element_stiffness(&gradient.hats(face), -areas[face] * weights[face]);
+        self.couplings_of(&parallel::values(areas.len(), share))
+    }
+
+    /// The same from the `shares` of every face in the couplings of the edges that its corners face.
+    pub fn couplings_of(&self, shares: &[[f64; 3]]) -> Vec<f64> {
+        let shares = shares.as_flattened();
+        let share = |corner: u32| shares.get(corner as usize).copied().unwrap_or(0.0);
+        let coupling = |corners: &[u32; 2]| share(corners[0]) + share(corners[1]);
+        let mut couplings = parallel::map(self.corners.par_iter(), coupling);
+        for &(entry, corner) in &self.further {
+            couplings[entry as usize] += share(corner);
         }
         couplings
     }
 
     /// L u for `values` u (C, V).
     pub fn apply(&self, couplings: &[f64], values: &SideBySide) -> Array2<f64> {
-        let mut product = Array2::zeros((values.channel_count(), self.starts.len() - 1));
+        let mut product = Array2::zeros((values.channel_count(), self.graph.size()));
         match values {
             SideBySide::One(lanes) => self.apply_to(couplings, lanes, product.view_mut()),
             SideBySide::Several { blocks, .. } => {
@@ -123,9 +120,8 @@ impl EdgeLaplacian {
         couplings: &[f64],
         lanes: &[Lanes<L>],
     ) -> Lanes<L> {
-        let bounds = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
         let mut sum = [0.0; L];
-        for &(other, entry) in &self.neighbours[bounds] {
+        for &(other, entry) in self.graph.neighbours_of(vertex) {
             let (coupling, other) = (couplings[entry as usize], &lanes[other as usize]);
             for lane in 0..L {
                 sum[lane] += coupling * (own[lane] - other[lane]);
@@ -169,11 +165,20 @@ mod tests {
         let edges = EdgeLaplacian::new(&gradient, &pattern, monitor.whole()).unwrap();
         let weights = [2.0, 0.5, 3.0, 7.0];
         let values = ndarray::arr2(&[[1.0, -2.0, 0.5, 3.0, 1.0], [0.0, 4.0, 1.0, -1.0, 2.0]]);
-        let couplings = edges.couplings(&weights);
+        let couplings = edges.couplings(&gradient, &weights);
         let product = edges.apply(&couplings, &values.view().into());
         for (row, channel) in product.rows().into_iter().zip(values.rows()) {
             let expected = gradient.weighted_laplacian(&weights, channel);
             assert!(row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+        let shares: Vec<_> = (0..4)
+            .map(|face| {
+                let edges = element_stiffness(&gradient.hats(face), gradient.face_areas()[face]);
+                edges.map(|edge| -weights[face] * edge)
+            })
+            .collect();
+        for (found, expected) in edges.couplings_of(&shares).iter().zip(&couplings) {
+            assert!((found - expected).abs() < 1e-12);
         }
     }
 }

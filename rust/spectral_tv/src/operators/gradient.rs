@@ -20,13 +20,13 @@ pub type FaceVector = [f64; 2];
 
 /// G: the gradients of the three hat functions on every face (2F × V as a matrix).
 ///
-/// Frames are intrinsic (first axis along the first edge), so nothing here depends on where the
-/// mesh lies in space.
+/// Those of a face sum to 0, so two of them are kept. Frames are intrinsic (first axis along the first
+/// edge), so nothing here depends on where the mesh lies in space.
 #[derive(Debug, Clone)]
 pub struct Gradient {
-    hats: Vec<[FaceVector; 3]>,
+    hats: Vec<[FaceVector; 2]>,
     triangles: Arc<[[u32; 3]]>,
-    face_areas: Vec<f64>,
+    face_areas: Arc<[f64]>,
     vertex_count: usize,
 }
 
@@ -36,7 +36,7 @@ impl Gradient {
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn new(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
-        let areas = mesh.face_areas();
+        let areas = mesh.shared_face_areas();
         let mut hats = Vec::with_capacity(areas.len());
         for first in (0..areas.len()).step_by(PIECE) {
             stage.check()?;
@@ -46,17 +46,17 @@ impl Gradient {
         Ok(Self {
             hats,
             triangles: Arc::clone(mesh.triangles()),
-            face_areas: areas.to_vec(),
+            face_areas: Arc::clone(areas),
             vertex_count: mesh.vertex_count(),
         })
     }
 
-    /// That of other linear functions: N unknowns, three of them to each triangle, multiply functions
-    /// with gradients `hats`, which sum to 0.
+    /// That of other linear functions: N unknowns, three of them to each triangle, multiply functions whose
+    /// gradients sum to 0; `hats` are those of the second and of the third.
     pub fn of_functions(
-        hats: Vec<[FaceVector; 3]>,
+        hats: Vec<[FaceVector; 2]>,
         triangles: Arc<[[u32; 3]]>,
-        face_areas: Vec<f64>,
+        face_areas: Arc<[f64]>,
         count: usize,
     ) -> Self {
         Self {
@@ -82,8 +82,15 @@ impl Gradient {
         &self.triangles
     }
 
-    /// Gradients of the three hat functions of each face.
-    pub fn hats(&self) -> &[[FaceVector; 3]] {
+    /// Gradients of the three hat functions of a face.
+    #[inline]
+    pub fn hats(&self, face: usize) -> [FaceVector; 3] {
+        let [j, k] = self.hats[face];
+        [[-(j[0] + k[0]), -(j[1] + k[1])], j, k]
+    }
+
+    /// The same of the second and of the third of each face.
+    pub fn later_hats(&self) -> &[[FaceVector; 2]] {
         &self.hats
     }
 
@@ -105,6 +112,16 @@ impl Gradient {
         (0..self.hats.len())
             .map(|face| self.on_face(face, &channel))
             .collect()
+    }
+
+    /// ∇u of the first channel of `values` on every face.
+    pub fn vectors(&self, values: &SideBySide) -> Vec<FaceVector> {
+        match values {
+            SideBySide::One(lanes) => self.on_all(|face| self.on_lanes(face, lanes).map(|x| x[0])),
+            SideBySide::Several { blocks, .. } => {
+                self.on_all(|face| self.on_lanes(face, &blocks[0]).map(|x| x[0]))
+            }
+        }
     }
 
     /// |∇u| on every face, over all channels of `values` (C, V) together.
@@ -173,14 +190,19 @@ impl Gradient {
     #[inline]
     pub fn adjoint(&self, field: impl Fn(usize) -> FaceVector) -> Vec<f64> {
         let mut divergence = vec![0.0; self.vertex_count];
-        for (face, (corners, hats)) in self.triangles.iter().zip(&self.hats).enumerate() {
-            let [x, y] = field(face);
-            let area = self.face_areas[face];
-            for (&corner, hat) in corners.iter().zip(hats) {
-                divergence[corner as usize] += area * (hat[0] * x + hat[1] * y);
+        for (face, corners) in self.triangles.iter().enumerate() {
+            for (&corner, flux) in corners.iter().zip(self.flux(face, field(face))) {
+                divergence[corner as usize] += flux;
             }
         }
         divergence
+    }
+
+    /// What the vector [x, y] on one face adds to that at its corners.
+    #[inline]
+    pub fn flux(&self, face: usize, [x, y]: FaceVector) -> [f64; 3] {
+        let area = self.face_areas[face];
+        self.hats(face).map(|hat| area * (hat[0] * x + hat[1] * y))
     }
 
     /// Gᵀ A w G u of one channel: the weighted Laplacian applied without a matrix.
@@ -194,8 +216,8 @@ impl Gradient {
     /// G as a sparse matrix: rows 2f and 2f + 1 give the vector of face f.
     pub fn matrix(&self) -> CsMat<f64> {
         let mut entries = TriMat::new((2 * self.hats.len(), self.vertex_count));
-        for (face, (corners, hats)) in self.triangles.iter().zip(&self.hats).enumerate() {
-            for (&corner, hat) in corners.iter().zip(hats) {
+        for (face, corners) in self.triangles.iter().enumerate() {
+            for (&corner, hat) in corners.iter().zip(self.hats(face)) {
                 entries.add_triplet(2 * face, corner as usize, hat[0]);
                 entries.add_triplet(2 * face + 1, corner as usize, hat[1]);
             }
@@ -216,10 +238,9 @@ fn dot<const L: usize>(a: &Lanes<L>, b: &Lanes<L>) -> f64 {
 /// The two components of ∇u of all lanes on a face, from the values at its corners.
 #[inline(always)]
 fn on_corners<const L: usize>(
-    [hat_i, hat_j, hat_k]: &[FaceVector; 3],
+    [hat_j, hat_k]: &[FaceVector; 2],
     [i, j, k]: [&Lanes<L>; 3],
 ) -> [Lanes<L>; 2] {
-    debug_assert!((hat_i[0] + hat_j[0] + hat_k[0]).abs() <= 1e-6 * hat_i[0].abs().max(1.0));
     let mut gradient = [[0.0; L]; 2];
     for lane in 0..L {
         // Differences, so that adding a constant to u changes nothing.
@@ -230,18 +251,15 @@ fn on_corners<const L: usize>(
     gradient
 }
 
-/// ∇λ of each corner, from the triangle laid out in the plane; zero for a face without area.
-fn hat_gradients([a, b, c]: [f64; 3], area: f64) -> [FaceVector; 3] {
+/// ∇λ of the second and of the third corner, from the triangle laid out in the plane; zero for a face
+/// without area.
+fn hat_gradients([a, b, c]: [f64; 3], area: f64) -> [FaceVector; 2] {
     if area == 0.0 {
-        return [[0.0; 2]; 3];
+        return [[0.0; 2]; 2];
     }
     let (x, y) = ((b * b + c * c - a * a) / (2.0 * c), 2.0 * area / c);
     let twice = 2.0 * area;
-    [
-        [-y / twice, (x - c) / twice],
-        [y / twice, -x / twice],
-        [0.0, c / twice],
-    ]
+    [[y / twice, -x / twice], [0.0, c / twice]]
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! L(w) = Gᵀ diag(A w) G, and the systems M + τ L(w): one fixed sparsity pattern.
 
+use std::sync::{Arc, OnceLock};
+
 use sprs::CsMatI;
 
 use crate::error::Result;
+use crate::graph::Graph;
 use crate::monitor::Stage;
 use crate::operators::{FaceVector, Gradient};
 use crate::parallel;
-
-/// A neighbour of a vertex, and the entry of the pattern for both.
-pub type Neighbour = (u32, u32);
 
 /// The sparsity pattern shared by every weighted Laplacian of a mesh, and where each face's
 /// entries go.
@@ -16,10 +16,11 @@ pub type Neighbour = (u32, u32);
 /// Matrices are lower triangles in compressed columns, as the Cholesky factorization reads them.
 #[derive(Debug, Clone)]
 pub struct LaplacianPattern {
-    column_starts: Vec<u32>,
-    rows: Vec<u32>,
-    /// Positions of each face's three off-diagonal entries, opposite to its corners.
-    edge_entries: Vec<[u32; 3]>,
+    /// Its neighbours, and where their entries are.
+    graph: Arc<Graph>,
+    /// Positions of each face's three off-diagonal entries, opposite to its corners. Made for assembly
+    /// only; flows on large meshes never ask for them.
+    edge_entries: OnceLock<Vec<[u32; 3]>>,
 }
 
 impl LaplacianPattern {
@@ -29,75 +30,51 @@ impl LaplacianPattern {
     /// [`crate::Error::Cancelled`].
     pub fn new(gradient: &Gradient, stage: Stage) -> Result<Self> {
         let (column_starts, rows) = sorted_columns(gradient, stage)?;
-        let entry = |i: u32, j: u32| {
-            let (column, row) = (i.min(j) as usize, i.max(j));
-            let first = column_starts[column] as usize;
-            let offset = rows[first..column_starts[column + 1] as usize].binary_search(&row);
-            (first + offset.expect("every edge is in the pattern")) as u32
-        };
-        let entries = |&[i, j, k]: &[u32; 3]| [entry(j, k), entry(k, i), entry(i, j)];
-        let edge_entries = stage.pass(|| parallel::map(gradient.triangles(), entries))?;
         Ok(Self {
-            column_starts,
-            rows,
-            edge_entries,
+            graph: Arc::new(Graph::of_columns(&column_starts, &rows, stage)?),
+            edge_entries: OnceLock::new(),
         })
     }
 
     /// Number of entries.
     pub fn entry_count(&self) -> usize {
-        self.rows.len()
+        self.graph.entry_count()
     }
 
-    /// Positions of each face's three off-diagonal entries, opposite to its corners; those of
-    /// the diagonal where a face repeats an index.
-    pub fn edge_entries(&self) -> &[[u32; 3]] {
-        &self.edge_entries
+    /// Positions of each face's three off-diagonal entries, opposite to its corners; that of the first
+    /// diagonal entry where a face repeats an index, as it adds 0.
+    pub fn edge_entries(&self, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+        let graph = &*self.graph;
+        let entry = |i: u32, j: u32| {
+            let neighbours = graph.neighbours_of(i as usize);
+            match neighbours.binary_search_by_key(&j, |pair| pair.0) {
+                Ok(place) => neighbours[place].1,
+                // Nothing is its own neighbour.
+                Err(_) => 0,
+            }
+        };
+        let entries = |&[i, j, k]: &[u32; 3]| [entry(j, k), entry(k, i), entry(i, j)];
+        parallel::map(triangles, entries)
     }
 
     /// Every edge once: its vertices, the lower one first, and its entry.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32, u32)> + '_ {
-        (0..self.column_starts.len() - 1).flat_map(move |column| {
-            let below = self.column_starts[column] + 1..self.column_starts[column + 1];
-            below.map(move |entry| (column as u32, self.rows[entry as usize], entry))
+        (0..self.graph.size()).flat_map(move |vertex| {
+            let vertex = vertex as u32;
+            let neighbours = self.graph.neighbours_of(vertex as usize).iter();
+            let later = neighbours.filter(move |(other, _)| *other > vertex);
+            later.map(move |&(other, entry)| (vertex, other, entry))
         })
     }
 
-    /// All neighbours of every vertex with their entries, and where each vertex's begin.
-    ///
-    /// # Errors
-    /// [`crate::Error::Cancelled`].
-    pub fn neighbours(&self, stage: Stage) -> Result<(Vec<u32>, Vec<Neighbour>)> {
-        let size = self.column_starts.len() - 1;
-        let mut starts = vec![0_u32; size + 1];
-        stage.for_each(self.edges(), |(i, j, _)| {
-            starts[i as usize + 1] += 1;
-            starts[j as usize + 1] += 1;
-        })?;
-        for vertex in 0..size {
-            starts[vertex + 1] += starts[vertex];
-        }
-        let mut next = starts.clone();
-        let mut neighbours = vec![(0, 0); starts[size] as usize];
-        stage.for_each(self.edges(), |(i, j, entry)| {
-            for (from, to) in [(i, j), (j, i)] {
-                let place = &mut next[from as usize];
-                neighbours[*place as usize] = (to, entry);
-                *place += 1;
-            }
-        })?;
-        Ok((starts, neighbours))
+    /// All neighbours of every vertex with their entries.
+    pub(crate) fn graph(&self) -> &Arc<Graph> {
+        &self.graph
     }
 
     /// A matrix of this pattern with all entries 0.
     pub fn zeros(&self) -> CsMatI<f64, u32> {
-        let size = self.column_starts.len() - 1;
-        CsMatI::new_csc(
-            (size, size),
-            self.column_starts.clone(),
-            self.rows.clone(),
-            vec![0.0; self.rows.len()],
-        )
+        self.graph.lower_triangle()
     }
 
     /// Fills `system` with diag(`diagonal`) + Σ_f K_f, where `stiffness` gives the off-diagonal
@@ -109,17 +86,21 @@ impl LaplacianPattern {
         stiffness: impl Fn(usize) -> [f64; 3],
         system: &mut CsMatI<f64, u32>,
     ) {
+        if self.edge_entries.get().is_none() {
+            // Whoever was faster has made the same.
+            let _ = self
+                .edge_entries
+                .set(self.edge_entries(gradient.triangles()));
+        }
+        let edge_entries = self.edge_entries.get().into_iter().flatten();
+        // The diagonal is the first entry of its column, as rows are sorted.
+        let starts = system.proper_indptr().into_owned();
         let values = system.data_mut();
         values.fill(0.0);
-        // The diagonal is the first entry of its column, as rows are sorted.
-        for (start, value) in self.column_starts.iter().zip(diagonal) {
+        for (start, value) in starts.iter().zip(diagonal) {
             values[*start as usize] = *value;
         }
-        for (face, (corners, entries)) in gradient
-            .triangles()
-            .iter()
-            .zip(&self.edge_entries)
-            .enumerate()
+        for (face, (corners, entries)) in gradient.triangles().iter().zip(edge_entries).enumerate()
         {
             let edges = stiffness(face);
             let [a, b, c] = edges;
@@ -127,7 +108,7 @@ impl LaplacianPattern {
                 values[entry as usize] += edge;
             }
             for (&corner, sum) in corners.iter().zip([b + c, c + a, a + b]) {
-                values[self.column_starts[corner as usize] as usize] -= sum;
+                values[starts[corner as usize] as usize] -= sum;
             }
         }
     }
@@ -220,7 +201,7 @@ mod tests {
         let mut lower = pattern.zeros();
         let stiffness = |face: usize| {
             let scale = gradient.face_areas()[face] * weights[face];
-            element_stiffness(&gradient.hats()[face], scale)
+            element_stiffness(&gradient.hats(face), scale)
         };
         pattern.assemble(&gradient, &[0.0; 5], stiffness, &mut lower);
 

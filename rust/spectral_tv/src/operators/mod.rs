@@ -3,6 +3,7 @@
 //!
 //! A function with C channels is an array of shape (C, V), each channel contiguous.
 
+mod corners;
 mod edge_elements;
 mod edge_laplacian;
 mod gradient;
@@ -16,12 +17,13 @@ mod positions;
 mod side_by_side;
 mod total_variation;
 
+pub use corners::Corners;
 pub use edge_elements::EdgeElements;
 pub use edge_laplacian::EdgeLaplacian;
 pub(crate) use edge_laplacian::grouped;
 pub use gradient::{FaceVector, Gradient};
 pub use inner_product::{inner_product, squared_norm};
-pub use laplacian::{LaplacianPattern, Neighbour, element_stiffness, pin};
+pub use laplacian::{LaplacianPattern, element_stiffness, pin};
 pub use mass::Mass;
 pub use masses::invertible_masses;
 pub use positions::positions;

@@ -99,7 +99,7 @@ impl CoarseSystem {
             if term.weight == 0.0 {
                 continue;
             }
-            let hats = &gradient.hats()[face];
+            let hats = &gradient.hats(face);
             let basis = &term.basis;
             let spin: Matrix3<f64> = basis
                 .iter()

@@ -44,7 +44,7 @@ impl Model {
     #[inline(always)]
     pub fn face_terms(&self, first: usize, state: &State) -> FaceTerms {
         let gradient = self.operators.gradient();
-        let (triangles, all_hats) = (gradient.triangles(), gradient.hats());
+        let (triangles, all_hats) = (gradient.triangles(), gradient.later_hats());
         let last = triangles.len() - 1;
         let mut faces = [last; LANES];
         let mut corners = [[0; LANES]; 3];
@@ -60,10 +60,14 @@ impl Model {
             }
         }
         let mut hats = [[Lanes::all(0.0); 2]; 3];
-        for (corner, hat) in hats.iter_mut().enumerate() {
+        let [first_hat, later_hats @ ..] = &mut hats;
+        for (corner, hat) in later_hats.iter_mut().enumerate() {
             for (axis, lanes) in hat.iter_mut().enumerate() {
                 *lanes = Lanes::of(|lane| all_hats[faces[lane]][corner][axis]);
             }
+        }
+        for (axis, lanes) in first_hat.iter_mut().enumerate() {
+            *lanes = Lanes::all(0.0) - (later_hats[0][axis] + later_hats[1][axis]);
         }
         let a = Quaternions::of(&state.rotations, &corners[0]);
         let b = Quaternions::of(&state.rotations, &corners[1]).aligned(a);

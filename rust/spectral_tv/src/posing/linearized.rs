@@ -37,7 +37,7 @@ impl<'a> Linearized<'a> {
         let mut moved = field.clone();
         model.expand(self.state, &mut moved);
         let gradient = model.operators.gradient();
-        let (triangles, hats) = (gradient.triangles(), gradient.hats());
+        let triangles = gradient.triangles();
         let of_face = |face: usize| {
             let FaceModel {
                 weight,
@@ -45,7 +45,7 @@ impl<'a> Linearized<'a> {
                 crushed,
             } = self.numbers.face(face);
             let corners = triangles[face].map(|corner| corner as usize);
-            let hats = &hats[face];
+            let hats = gradient.hats(face);
             let turn =
                 (moved.turns[corners[0]] + moved.turns[corners[1]] + moved.turns[corners[2]]) / 3.0;
             let along = |values: &[Vector3<f64>], axis: usize| {

@@ -272,7 +272,7 @@ fn weights(
         .collect();
     let mut system = operators.pattern().zeros();
     let stiffness =
-        |face: usize| element_stiffness(&gradient.hats()[face], gradient.face_areas()[face]);
+        |face: usize| element_stiffness(&gradient.hats(face), gradient.face_areas()[face]);
     operators
         .pattern()
         .assemble(gradient, &diagonal, stiffness, &mut system);

@@ -146,7 +146,7 @@ impl Block {
             }
             false => 0.0,
         });
-        let mut couplings = operators.edges().couplings(&weights);
+        let mut couplings = operators.edges().couplings(operators.gradient(), &weights);
         let own = |(vertex, &held): (usize, &bool)| if held { 1.0 } else { diagonal(vertex) };
         let mut masses: Vec<f64> = self.held.iter().enumerate().map(own).collect();
         for &(entry, free) in &self.cut {
@@ -155,7 +155,7 @@ impl Block {
                 masses[vertex as usize] += coupling;
             }
         }
-        self.solver.set_matrix(&masses, &couplings, 1.0, stage)
+        self.solver.set_matrix(&masses, couplings, 1.0, stage)
     }
 
     fn solved(&mut self, field: &[Vector3<f64>], stage: Stage) -> Result<Vec<Vector3<f64>>> {

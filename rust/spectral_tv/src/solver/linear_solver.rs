@@ -1,14 +1,16 @@
 //! One interface to the solvers, and the choice between them.
 
+use std::sync::Arc;
+
 use ndarray::Array2;
 use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
+use crate::graph::Graph;
 use crate::monitor::Stage;
 use crate::named::named;
 use crate::parallel;
-use crate::solver::graph::Graph;
 use crate::solver::{Cholesky, Multigrid, Symbolic};
 
 /// Number of unknowns up to which a factorization takes some milliseconds on any shape, and is
@@ -111,10 +113,13 @@ impl Demand {
 
 /// Solves systems with symmetric positive definite matrices of one pattern.
 pub struct LinearSolver {
-    /// The lower triangle, its diagonal not written before a factorization needs it.
-    lower: CsMatI<f64, u32>,
+    graph: Arc<Graph>,
     masses: Vec<f64>,
-    rows: Option<Rows>,
+    /// Of the matrix at hand, as far as it may still have to be factorized; and τ.
+    couplings: Vec<f64>,
+    tau: f64,
+    /// Made for factorizations only.
+    lower: Option<CsMatI<f64, u32>>,
     symbolic: Symbolic,
     multigrid: Option<Multigrid>,
     factor: Factor,
@@ -131,31 +136,36 @@ enum Factor {
 }
 
 impl LinearSolver {
-    /// Chooses for the pattern of `lower`, the lower triangle of the matrices to come, which has
-    /// this `symbolic` factorization.
+    /// Chooses for matrices with this `graph`, whose pattern has this `symbolic` factorization.
     ///
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if memory does not suffice.
-    pub fn new(
-        lower: CsMatI<f64, u32>,
+    pub(crate) fn new(
+        graph: &Arc<Graph>,
         symbolic: &Symbolic,
         solver: Solver,
         demand: Demand,
         stage: Stage,
     ) -> Result<Self> {
-        let chosen = stage.pass(|| solver.chosen(&lower, symbolic, demand))??;
-        let (multigrid, factor) = match chosen == Solver::Multigrid {
-            true => (Some(Multigrid::analyse(&lower, stage)?), Factor::None),
-            false => {
-                let cholesky = Cholesky::new(&lower, symbolic, stage)?;
-                (None, Factor::Room(cholesky))
+        let mut lower = None;
+        let (mut multigrid, mut factor) = (None, Factor::None);
+        if !solver.is_iterative(graph.size(), demand) {
+            let pattern = stage.pass(|| graph.lower_triangle())?;
+            if stage.pass(|| solver.chosen(&pattern, symbolic, demand))?? == Solver::Cholesky {
+                factor = Factor::Room(Cholesky::new(&pattern, symbolic, stage)?);
+                lower = Some(pattern);
             }
-        };
+        }
+        if lower.is_none() {
+            multigrid = Some(Multigrid::analyse(Arc::clone(graph), stage)?);
+        }
         Ok(Self {
-            masses: vec![0.0; lower.cols()],
-            rows: None,
-            symbolic: symbolic.clone(),
+            graph: Arc::clone(graph),
+            masses: vec![0.0; graph.size()],
+            couplings: Vec::new(),
+            tau: 0.0,
             lower,
+            symbolic: symbolic.clone(),
             multigrid,
             factor,
         })
@@ -169,19 +179,19 @@ impl LinearSolver {
     pub fn set_matrix(
         &mut self,
         masses: &[f64],
-        couplings: &[f64],
+        couplings: Vec<f64>,
         tau: f64,
         stage: Stage,
     ) -> Result<()> {
-        let entries = self.lower.data_mut().par_iter_mut().zip(couplings);
-        stage.pass(|| parallel::for_each(entries, |(entry, coupling)| *entry = -tau * coupling))?;
+        self.couplings = couplings;
+        self.tau = tau;
         self.masses.copy_from_slice(masses);
         self.factor = match std::mem::replace(&mut self.factor, Factor::None) {
             Factor::Ready(cholesky) => Factor::Room(cholesky),
             factor => factor,
         };
         if let Some(multigrid) = &mut self.multigrid {
-            match multigrid.set_matrix(&self.lower, masses, stage) {
+            match multigrid.set_matrix(masses, (&self.couplings, tau), stage) {
                 Err(Error::Solver(_)) => {}
                 outcome => return outcome,
             }
@@ -223,14 +233,13 @@ impl LinearSolver {
         right_hand_sides: &Array2<f64>,
         stage: Stage,
     ) -> Result<Array2<f64>> {
-        if !self.is_exact() {
+        if !matches!(self.factor, Factor::Ready(_)) {
             self.factorize(stage)?;
         }
-        let mut solutions = right_hand_sides.clone();
-        if let Factor::Ready(cholesky) = &mut self.factor {
-            cholesky.solve_in_place(&mut solutions);
+        match &mut self.factor {
+            Factor::Ready(cholesky) => Ok(cholesky.solve(right_hand_sides.view())),
+            Factor::Room(_) | Factor::None => unreachable!("factorized above"),
         }
-        Ok(solutions)
     }
 
     /// Whether solutions begin with a guess.
@@ -244,16 +253,22 @@ impl LinearSolver {
     }
 
     fn factorize(&mut self, stage: Stage) -> Result<()> {
-        let rows = match &mut self.rows {
-            Some(rows) => rows,
-            rows => rows.insert(Rows::new(&self.lower, stage)?),
+        let lower = match &mut self.lower {
+            Some(lower) => lower,
+            lower => lower.insert(stage.pass(|| self.graph.lower_triangle())?),
         };
-        rows.complete_diagonal(&mut self.lower, &self.masses);
+        let tau = self.tau;
+        let entries = lower.data_mut().par_iter_mut().zip(&self.couplings);
+        stage.pass(|| parallel::for_each(entries, |(entry, coupling)| *entry = -tau * coupling))?;
+        if self.multigrid.is_none() {
+            self.couplings = Vec::new();
+        }
+        complete_diagonal(&self.graph, &self.masses, lower);
         let mut cholesky = match std::mem::replace(&mut self.factor, Factor::None) {
             Factor::Room(cholesky) | Factor::Ready(cholesky) => cholesky,
-            Factor::None => Cholesky::new(&self.lower, &self.symbolic, stage)?,
+            Factor::None => Cholesky::new(lower, &self.symbolic, stage)?,
         };
-        let outcome = cholesky.factorize(&self.lower, stage);
+        let outcome = cholesky.factorize(lower, stage);
         self.factor = match outcome {
             Ok(()) => Factor::Ready(cholesky),
             Err(_) => Factor::Room(cholesky),
@@ -262,34 +277,17 @@ impl LinearSolver {
     }
 }
 
-/// The couplings and the diagonal of each row of a matrix, in its lower triangle.
-struct Rows {
-    graph: Graph,
-    diagonal: Vec<Option<usize>>,
-}
-
-impl Rows {
-    fn new(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
-        let diagonal = (0..lower.cols()).map(|row| lower.nnz_index(row, row));
-        Ok(Self {
-            graph: Graph::new(lower, stage)?,
-            diagonal: diagonal.map(|entry| entry.map(|entry| entry.0)).collect(),
-        })
-    }
-
-    /// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
-    fn complete_diagonal(&self, lower: &mut CsMatI<f64, u32>, masses: &[f64]) {
-        let entries = lower.data();
-        let diagonal = parallel::values(masses.len(), |row| {
-            let neighbours = self.graph.neighbours_of(row).iter();
-            let couplings = neighbours.map(|&(_, entry)| entries[entry as usize]);
-            masses[row] - couplings.sum::<f64>()
-        });
-        let entries = lower.data_mut();
-        for (entry, value) in self.diagonal.iter().zip(diagonal) {
-            if let Some(entry) = *entry {
-                entries[entry] = value;
-            }
+/// Gives the rows of the matrix with the lower triangle `lower` the sums `masses`.
+fn complete_diagonal(graph: &Graph, masses: &[f64], lower: &mut CsMatI<f64, u32>) {
+    let entries = lower.data();
+    let diagonal = parallel::values(masses.len(), |row| {
+        let neighbours = graph.neighbours_of(row).iter();
+        let couplings = neighbours.map(|&(_, entry)| entries[entry as usize]);
+        masses[row] - couplings.sum::<f64>()
+    });
+    for (mut column, value) in lower.outer_iterator_mut().zip(diagonal) {
+        if let Some(entry) = column.iter_mut().next() {
+            *entry.1 = value;
         }
     }
 }

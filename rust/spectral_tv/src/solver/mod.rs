@@ -8,7 +8,6 @@ mod cholesky;
 mod conjugate_gradients;
 #[cfg(test)]
 mod examples;
-mod graph;
 mod linear_solver;
 mod multigrid;
 mod scratch;

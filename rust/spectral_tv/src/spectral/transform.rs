@@ -8,13 +8,22 @@ use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::Trajectory;
 use crate::monitor::Stage;
 use crate::parallel;
+use crate::spectral::soft_edge::{band_between, remainder};
 use crate::spectral::{ThicknessCut, check_edges};
 
 /// The spectral components of a flow (Brokman et al. 2024, Eqs. 50 and 53).
 ///
 /// With velocities p_k = (u_k − u_{k+1})/(t_{k+1} − t_k), the components are
-/// φ_k = t_k (p_{k−1} − p_k) for k = 1 … N − 1 and the residual is R = u_N + t_N p_{N−1}. Then
-/// f = Σ φ_k + R identically, whatever the nodes and however coarse the steps.
+/// φ_k = t_k (p_{k−1} − p_k) for k = 1 … N − 1. They add up to f − u_N − t_N p_{N−1}, whatever the nodes and
+/// however coarse the steps.
+///
+/// Bands are cut between the times too, by edges that are 0.2 wide in ln t; see `soft_edge`. They depend
+/// on the flow, and not on its steps. The residual R is what is left beyond the last edge, at t_N, and the
+/// last component ends at it, so that f = Σ φ_k + R identically. A filter multiplies whole components: it
+/// and the bands agree but for what lies within the edges.
+///
+/// The components of a flow that is linear between its times lie at the times, so there a band is the sum
+/// of the components in it, and R = u_N + t_N p_{N−1}.
 #[derive(Debug, Clone)]
 pub struct SpectralTransform {
     /// Shared, as it holds all that a flow keeps in memory.
@@ -54,12 +63,24 @@ impl SpectralTransform {
 
     /// R, (C, V).
     pub fn residual(&self) -> Array2<f64> {
+        self.trajectory.combined(&self.last_factors())
+    }
+
+    /// The factors of the increments in R − u(0).
+    fn last_factors(&self) -> Vec<f64> {
+        match self.trajectory.is_piecewise_linear() {
+            true => self.intercept_factors(self.times().len() - 2),
+            false => remainder(self.times(), f64::INFINITY),
+        }
+    }
+
+    /// The same of u_k + t_k p_k, which is what components up to t_k leave.
+    fn intercept_factors(&self, step: usize) -> Vec<f64> {
         let times = self.times();
-        let last = times.len() - 1;
-        // R = u_N − t_N/(t_N − t_{N−1}) (u_N − u_{N−1})
-        let mut factors = vec![1.0; last];
-        factors[last - 1] -= times[last] / (times[last] - times[last - 1]);
-        self.trajectory.combined(&factors)
+        let mut factors = vec![0.0; times.len() - 1];
+        factors[..step].fill(1.0);
+        factors[step] = -times[step] / (times[step + 1] - times[step]);
+        factors
     }
 
     /// Σ_k H(t_k) φ_k, (C, V), without the residual; `gains` are the N − 1 values H(t_k).
@@ -77,14 +98,22 @@ impl SpectralTransform {
             k => gains[k - 1] * times[k],
         };
         let factor = |k: usize| (weight(k) - weight(k + 1)) / (times[k + 1] - times[k]);
-        let factors: Vec<f64> = (0..times.len() - 1).map(factor).collect();
+        let mut factors: Vec<f64> = (0..times.len() - 1).map(factor).collect();
+        if let Some(&gain) = gains.last() {
+            // The last component ends at the residual.
+            let before = self.intercept_factors(gains.len());
+            let ends = before.iter().zip(self.last_factors());
+            for (factor, (before, now)) in factors.iter_mut().zip(ends) {
+                *factor += gain * (before - now);
+            }
+        }
         let mut sum = Array2::zeros(self.trajectory.initial().dim());
         self.trajectory.add_increments(&factors, &mut sum);
         sum
     }
 
-    /// The sum of φ_k over edge_i ≤ t_k < edge_{i+1}, (C, V) for each pair of neighbouring
-    /// `edges`. Each is summed up when it is asked for.
+    /// What lies between neighbouring `edges`, (C, V) for each pair. Each is summed up when it is asked
+    /// for.
     ///
     /// # Errors
     /// If the edges do not increase.
@@ -92,8 +121,11 @@ impl SpectralTransform {
         check_edges(edges)?;
         let times = self.component_times();
         Ok(edges.windows(2).map(|edge| {
-            let inside = |t: &f64| f64::from(u8::from((edge[0]..edge[1]).contains(t)));
-            self.combination(&times.iter().map(inside).collect::<Vec<_>>())
+            if self.trajectory.is_piecewise_linear() {
+                let inside = |t: &f64| f64::from(u8::from((edge[0]..edge[1]).contains(t)));
+                return self.combination(&times.iter().map(inside).collect::<Vec<_>>());
+            }
+            band_between(&self.trajectory, [edge[0], edge[1]])
         }))
     }
 
@@ -231,7 +263,10 @@ mod tests {
             );
             let transform = SpectralTransform::new(flow.unwrap());
             let whole = transform.filter(&[1.0; 7]).unwrap();
-            assert!((whole - shape).iter().all(|error| error.abs() < 1e-15));
+            assert!((&whole - &shape).iter().all(|error| error.abs() < 1e-15));
+            let bands = transform.bands(&[0.0, 0.07, 0.23, f64::INFINITY]).unwrap();
+            let sum = bands.fold(transform.residual(), |sum, band| sum + band);
+            assert!((sum - shape).iter().all(|error| error.abs() < 1e-15));
             let cancelled = Monitor::new();
             cancelled.cancel();
             let outcome = transform.spectrum_with(operators.masses(), cancelled.whole());

@@ -11,22 +11,26 @@
 //! 5. `reach`: the largest ball that reaches each vertex. This passes over the small balls below
 //!    bumps, grooves and folds of the skin, but not onto what stands out;
 //! 6. `limit`: from thin parts on, thickness grows slowly along the surface.
+//!
+//! `following` has the thickness of a shape that moves go on from frame to frame.
 
 mod ball;
+mod following;
 mod incidence;
 mod inscribed;
 mod limit;
 mod outward;
 mod reach;
 mod samples;
-mod scaled;
+pub(crate) mod scaled;
 mod search;
 mod space;
-mod triangle;
+pub(crate) mod triangle;
 
 use crate::error::Result;
 use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
+pub use following::{thickness_after, thickness_after_with};
 use incidence::Incidence;
 use inscribed::Balls;
 use limit::{filled, limited, smoothed};

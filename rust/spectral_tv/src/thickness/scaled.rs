@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::mesh::{TriangleMesh, component_count};
 
 /// A mesh about its middle, of the area 1.
-pub(super) struct Scaled {
+pub(crate) struct Scaled {
     /// Positions of the vertices, V.
     pub points: Vec<[f64; 3]>,
     /// Index triples, F.
@@ -68,7 +68,7 @@ impl Scaled {
 }
 
 /// The middle of the box around the mesh: its own distance from the origin takes no digits then.
-fn middle(mesh: &TriangleMesh) -> [f64; 3] {
+pub(crate) fn middle(mesh: &TriangleMesh) -> [f64; 3] {
     std::array::from_fn(|axis| {
         let along = mesh.triangles().iter().flatten();
         let values = along.map(|corner| mesh.vertices()[*corner as usize][axis]);
@@ -79,15 +79,15 @@ fn middle(mesh: &TriangleMesh) -> [f64; 3] {
     })
 }
 
-pub(super) fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+pub(crate) fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| p[axis] - q[axis])
 }
 
-pub(super) fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
+pub(crate) fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
     p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 }
 
-pub(super) fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     [
         p[1] * q[2] - p[2] * q[1],
         p[2] * q[0] - p[0] * q[2],
@@ -96,17 +96,17 @@ pub(super) fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
 }
 
 /// |p − q|².
-pub(super) fn square_distance(p: [f64; 3], q: [f64; 3]) -> f64 {
+pub(crate) fn square_distance(p: [f64; 3], q: [f64; 3]) -> f64 {
     let between = difference(p, q);
     dot(between, between)
 }
 
 /// The point at `length` from `point` along `direction`.
-pub(super) fn along(point: [f64; 3], length: f64, direction: [f64; 3]) -> [f64; 3] {
+pub(crate) fn along(point: [f64; 3], length: f64, direction: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| point[axis] + length * direction[axis])
 }
 
 /// The opposite direction.
-pub(super) fn inverse(direction: [f64; 3]) -> [f64; 3] {
+pub(crate) fn inverse(direction: [f64; 3]) -> [f64; 3] {
     direction.map(|x| -x)
 }

@@ -6,7 +6,7 @@ use crate::thickness::scaled::{along, difference, dot, square_distance};
 
 /// The corners of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Triangle(pub [[f64; 3]; 3]);
+pub(crate) struct Triangle(pub [[f64; 3]; 3]);
 
 impl Triangle {
     /// The point of it that is nearest to `point`, by the regions of its corners, edges and inside

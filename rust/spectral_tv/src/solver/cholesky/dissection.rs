@@ -4,10 +4,10 @@
 use sprs::CsMatI;
 
 use crate::error::Result;
+use crate::graph::Graph;
 use crate::monitor::Stage;
 use crate::solver::cholesky::part::{Part, Side};
 use crate::solver::cholesky::separator::separate;
-use crate::solver::graph::Graph;
 
 /// Share of a part's vertices that a cut leaves on either side, and, on both sides of it, of those
 /// among which a separator is looked for.

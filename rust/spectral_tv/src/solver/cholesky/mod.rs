@@ -21,7 +21,8 @@ mod wide;
 
 use std::sync::{Arc, Mutex, OnceLock};
 
-use ndarray::{Array2, Axis};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
+use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
@@ -108,6 +109,8 @@ impl Symbolic {
 #[derive(Debug)]
 struct Units {
     units: Vec<Unit>,
+    /// For each unknown its unit, and its column there.
+    places: Vec<(u32, u32)>,
     /// Whether there are fronts that are multiplied as matrices.
     has_wide: bool,
 }
@@ -116,9 +119,17 @@ impl From<Vec<Unit>> for Units {
     fn from(units: Vec<Unit>) -> Self {
         let nodes = units.iter().flat_map(|unit| &unit.nodes);
         let mut shapes = nodes.map(|node| (node.height, node.width));
+        let count = units.iter().map(|unit| unit.columns.len()).sum();
+        let mut places = vec![(0, 0); count];
+        for (index, unit) in units.iter().enumerate() {
+            for (column, &unknown) in unit.columns.iter().enumerate() {
+                places[unknown as usize] = (index as u32, column as u32);
+            }
+        }
         Self {
             has_wide: shapes.any(wide::is_wide),
             units,
+            places,
         }
     }
 }
@@ -167,13 +178,14 @@ impl Cholesky {
         let numbers = match left {
             Some(numbers) => numbers,
             None => {
-                let units = units.units.iter();
+                let units = &units.units;
                 let sizes = units
-                    .clone()
+                    .iter()
                     .map(|unit| unit.panel_length + unit.stack_length);
                 stage.require(NUMBER * sizes.sum::<usize>() as u64, WHAT, ADVICE)?;
+                // By threads, as the system takes its time to give it.
                 let room = |unit: &Unit| stage.pass(|| Numbers::new(unit, WHAT, ADVICE))?;
-                units.map(room).collect::<Result<_>>()?
+                units.par_iter().map(room).collect::<Result<_>>()?
             }
         };
         Ok(Self {
@@ -219,17 +231,45 @@ impl Cholesky {
         }
     }
 
+    /// Solves K x = b for each row b of `right_hand_sides` (C, V).
+    ///
+    /// # Panics
+    /// If nothing was factorized before.
+    pub fn solve(&mut self, right_hand_sides: ArrayView2<f64>) -> Array2<f64> {
+        let mut solutions = Array2::zeros(right_hand_sides.dim());
+        let blocks = right_hand_sides.axis_chunks_iter(Axis(0), 4);
+        for (right, solutions) in blocks.zip(solutions.axis_chunks_iter_mut(Axis(0), 4)) {
+            self.solve_block(right);
+            self.write_block(solutions);
+        }
+        solutions
+    }
+
     /// Replaces each row b of `right_hand_sides` (C, V) by the solution of K x = b.
     ///
     /// # Panics
     /// If nothing was factorized before.
     pub fn solve_in_place(&mut self, right_hand_sides: &mut Array2<f64>) {
-        assert!(self.is_factorized, "factorize before solving");
         for block in right_hand_sides.axis_chunks_iter_mut(Axis(0), 4) {
-            match block.nrows() {
-                1 => solve::solve::<1>(&self.units.units, &mut self.numbers, block),
-                _ => solve::solve::<4>(&self.units.units, &mut self.numbers, block),
-            }
+            self.solve_block(block.view());
+            self.write_block(block);
+        }
+    }
+
+    fn solve_block(&mut self, right: ArrayView2<f64>) {
+        assert!(self.is_factorized, "factorize before solving");
+        let units = &self.units.units;
+        match right.nrows() {
+            1 => solve::solve::<1>(units, &mut self.numbers, right),
+            _ => solve::solve::<4>(units, &mut self.numbers, right),
+        }
+    }
+
+    fn write_block(&self, solutions: ArrayViewMut2<f64>) {
+        let places = &self.units.places;
+        match solutions.nrows() {
+            1 => solve::write::<1>(places, &self.numbers, solutions),
+            _ => solve::write::<4>(places, &self.numbers, solutions),
         }
     }
 }

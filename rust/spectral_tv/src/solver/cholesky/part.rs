@@ -5,7 +5,7 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
 use crate::error::{Error, Result};
-use crate::solver::graph::Graph;
+use crate::graph::Graph;
 
 /// On which side of a separator a vertex lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

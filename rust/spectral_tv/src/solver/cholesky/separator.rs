@@ -225,9 +225,9 @@ impl Paths {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::graph::Graph;
     use crate::monitor::Monitor;
     use crate::solver::examples::{irregular, lattice};
-    use crate::solver::graph::Graph;
 
     fn part(lower: &sprs::CsMatI<f64, u32>) -> Part {
         Part::whole(Graph::new(lower, Monitor::new().whole()).unwrap())

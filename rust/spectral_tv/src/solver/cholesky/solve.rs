@@ -1,6 +1,6 @@
 //! Solves with a factor: up the tree with L, down again with Lᵀ, for several functions at once.
 
-use ndarray::{ArrayView2, ArrayViewMut2};
+use ndarray::{ArrayView2, ArrayViewMut2, Zip};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::solver::cholesky::factor::Numbers;
@@ -11,15 +11,16 @@ type Lanes<const L: usize> = [f64; L];
 
 /// Columns that rows are read once for.
 const BLOCK: usize = 4;
+/// Parts of a sum down a column that do not wait for each other. They are the same whatever the registers.
+const PARTS: usize = 8;
 
-/// Replaces each row b of `values`, at most L, by the solution of K x = b.
+/// Solves K x = b for each row b of `right`, at most L; `write` has the solutions then.
 pub(super) fn solve<const L: usize>(
     units: &[Unit],
     numbers: &mut [Numbers],
-    mut values: ArrayViewMut2<f64>,
+    right: ArrayView2<f64>,
 ) {
     let root = units.len() - 1;
-    let right = values.view();
     upward(units, root, numbers, &|unit, below, own| {
         let Numbers { panels, lanes, .. } = own;
         gather::<L>(unit, right, lanes);
@@ -57,13 +58,23 @@ pub(super) fn solve<const L: usize>(
             }
         }
     });
-    for (unit, numbers) in units.iter().zip(numbers) {
-        let lanes = numbers.lanes.as_chunks::<L>().0;
-        for (lane, mut row) in values.rows_mut().into_iter().enumerate() {
-            for (&vertex, lanes) in unit.columns.iter().zip(lanes) {
-                row[vertex as usize] = lanes[lane];
-            }
-        }
+}
+
+/// Writes the last solutions. `places` has for each unknown its unit, and its column there.
+pub(super) fn write<const L: usize>(
+    places: &[(u32, u32)],
+    numbers: &[Numbers],
+    mut solutions: ArrayViewMut2<f64>,
+) {
+    let lanes: Vec<&[Lanes<L>]> = numbers
+        .iter()
+        .map(|numbers| numbers.lanes.as_chunks().0)
+        .collect();
+    for (lane, row) in solutions.rows_mut().into_iter().enumerate() {
+        let solution = |value: &mut f64, &(unit, column): &(u32, u32)| {
+            *value = lanes[unit as usize][column as usize][lane];
+        };
+        Zip::from(row).and(places).par_for_each(solution);
     }
 }
 
@@ -147,7 +158,12 @@ fn down<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
         known.clear();
         known.extend(rows.iter().map(|&row| x[row as usize]));
         let own = &mut x[node.column..][..width];
-        for (block, own) in panel
+        // The registers are full of several functions, but not of one.
+        let done = match L {
+            1 => 0,
+            _ => width / BLOCK * BLOCK,
+        };
+        for (block, own) in panel[..done * height]
             .chunks_exact(BLOCK * height)
             .zip(own.chunks_exact_mut(BLOCK))
         {
@@ -161,12 +177,9 @@ fn down<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
             }
             own.copy_from_slice(&sums);
         }
-        let done = width / BLOCK * BLOCK;
         for column in done..width {
             let values = &panel[column * height..][width..height];
-            for (value, known) in values.iter().zip(&known) {
-                subtract(&mut own[column], *value, known);
-            }
+            subtract_product(&mut own[column], values, &known);
         }
         for column in (0..width).rev() {
             let values = &panel[column * height..][column..width];
@@ -177,6 +190,25 @@ fn down<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
             }
             *value = value.map(|value| value * values[0]);
         }
+    }
+}
+
+/// sum −= Σ factor x.
+#[inline(always)]
+fn subtract_product<const L: usize>(sum: &mut Lanes<L>, factors: &[f64], x: &[Lanes<L>]) {
+    let mut parts = [[0.0; L]; PARTS];
+    let (blocks, rest) = factors.as_chunks::<PARTS>();
+    let (x, x_rest) = x[..factors.len()].as_chunks::<PARTS>();
+    for (factors, x) in blocks.iter().zip(x) {
+        for part in 0..PARTS {
+            subtract(&mut parts[part], factors[part], &x[part]);
+        }
+    }
+    for (part, (factor, x)) in parts.iter_mut().zip(rest.iter().zip(x_rest)) {
+        subtract(part, *factor, x);
+    }
+    for part in &parts {
+        add(sum, part);
     }
 }
 

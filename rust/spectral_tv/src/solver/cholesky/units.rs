@@ -1,10 +1,12 @@
 //! Units: parts of the elimination tree, each the work of one thread. The tree of units says which
 //! of them wait for which.
 
+use rayon::prelude::*;
 use sprs::CsMatI;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::solver::cholesky::supernodes::{NONE, Supernodes};
 
 /// Share of all multiplications that is worth handing to another thread.
@@ -183,20 +185,21 @@ impl Builder<'_> {
     /// Gives every row its place in its unit, and in the front above.
     fn place_rows(&mut self, stage: Stage) -> Result<()> {
         let nodes = self.nodes;
-        stage.for_each(0..nodes.len(), |index| {
-            let owner = self.owners[index] as usize;
-            let rows: Vec<u32> = nodes
-                .rows(index)
-                .iter()
-                .map(|&row| self.local(owner, row))
-                .collect();
-            let parent = nodes.parents[index];
-            let unit = &mut self.units[owner];
+        let placed = |index| {
+            let (owner, parent) = (self.owners[index] as usize, nodes.parents[index] as usize);
+            let rows = nodes.rows(index).iter();
+            let placed = rows.map(|&row| {
+                let above = front_row(nodes, parent, row);
+                (self.local(owner, row), above as u32)
+            });
+            placed.collect::<Vec<_>>()
+        };
+        let placed = stage.pass(|| parallel::values(nodes.len(), placed))?;
+        stage.for_each(placed.into_iter().enumerate(), |(index, placed)| {
+            let unit = &mut self.units[self.owners[index] as usize];
             unit.nodes[self.indices[index] as usize].rows = unit.rows.len();
-            unit.rows.extend(rows);
-            let above = nodes.rows(index).iter();
-            let places = above.map(|&row| front_row(nodes, parent as usize, row) as u32);
-            unit.places.extend(places);
+            unit.rows.extend(placed.iter().map(|&(row, _)| row));
+            unit.places.extend(placed.iter().map(|&(_, above)| above));
         })?;
         for index in 0..self.units.len() {
             if let Some(above) = self.unit_above(index) {
@@ -270,23 +273,33 @@ impl Builder<'_> {
             return Err(Error::Solver("the factor has too many entries".into()));
         }
         let starts = lower.proper_indptr();
-        stage.for_each(0..lower.cols(), |column| {
-            for entry in starts[column]..starts[column + 1] {
-                let ends = [column, lower.indices()[entry as usize] as usize];
-                let [a, b] = ends.map(|vertex| nodes.places[vertex]);
-                let (column, row) = (a.min(b), a.max(b));
-                let index = nodes.begins.partition_point(|&begin| begin <= column) - 1;
-                let unit = &mut self.units[self.owners[index] as usize];
-                let node = &unit.nodes[self.indices[index] as usize];
-                let offset = (column - nodes.begins[index]) as usize * node.height;
-                let place = node.panel + offset + front_row(nodes, index, row);
-                unit.entries.push((entry, place as u32));
-            }
-        })?;
-        for unit in &mut self.units {
-            stage.pass(|| unit.entries.sort_unstable_by_key(|&(_, place)| place))?;
-        }
-        Ok(())
+        let place = |ends: [usize; 2]| {
+            let [a, b] = ends.map(|vertex| nodes.places[vertex]);
+            let (column, row) = (a.min(b), a.max(b));
+            let index = nodes.begins.partition_point(|&begin| begin <= column) - 1;
+            let owner = self.owners[index];
+            let node = &self.units[owner as usize].nodes[self.indices[index] as usize];
+            let offset = (column - nodes.begins[index]) as usize * node.height;
+            (
+                owner,
+                (node.panel + offset + front_row(nodes, index, row)) as u32,
+            )
+        };
+        let in_column = |column: usize| {
+            let rows = &lower.indices()[starts[column] as usize..starts[column + 1] as usize];
+            let placed = rows.iter().map(|&row| place([column, row as usize]));
+            placed.collect::<Vec<_>>()
+        };
+        let placed = stage.pass(|| parallel::values(lower.cols(), in_column))?;
+        stage.for_each(
+            (0..).zip(placed.into_iter().flatten()),
+            |(entry, (owner, place))| {
+                self.units[owner as usize].entries.push((entry, place));
+            },
+        )?;
+        let sort =
+            |unit: &mut Unit| stage.pass(|| unit.entries.sort_unstable_by_key(|&(_, place)| place));
+        self.units.par_iter_mut().try_for_each(sort)
     }
 }
 

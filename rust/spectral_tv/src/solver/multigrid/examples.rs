@@ -1,8 +1,11 @@
 //! Hierarchies for the tests of this module.
 
+use std::sync::Arc;
+
 use ndarray::Array2;
 use sprs::CsMatI;
 
+use crate::graph::Graph;
 use crate::monitor::Monitor;
 pub use crate::solver::examples::{irregular, lattice, random, system_of};
 use crate::solver::multigrid::hierarchy::Hierarchy;
@@ -13,12 +16,18 @@ use crate::solver::multigrid::system;
 /// The hierarchy of a system.
 pub fn hierarchy_of(lower: &CsMatI<f64, u32>, masses: &[f64]) -> Hierarchy {
     let monitor = Monitor::new();
-    let ordering = Ordering::breadth_first(lower, monitor.whole()).unwrap();
+    let graph = Arc::new(Graph::new(lower, monitor.whole()).unwrap());
+    let ordering = Ordering::breadth_first(graph, monitor.whole()).unwrap();
     let mut matrix = system::pattern(&ordering, monitor.whole()).unwrap();
-    system::refresh(&mut matrix, &ordering, lower, masses);
+    system::refresh(&mut matrix, &ordering, masses, (&couplings_of(lower), 1.0));
     let mut hierarchy = Hierarchy::unset(matrix);
     hierarchy.coarsen(monitor.whole()).unwrap();
     hierarchy
+}
+
+/// The couplings of a matrix with the lower triangle `lower`.
+pub fn couplings_of(lower: &CsMatI<f64, u32>) -> Vec<f64> {
+    lower.data().iter().map(|value| -value).collect()
 }
 
 /// The inner product of two vectors.

@@ -3,28 +3,18 @@
 
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::monitor::Stage;
-use crate::solver::multigrid::galerkin_pattern::{Part, Product};
+use crate::solver::multigrid::galerkin_pattern::{Part, Place, Product};
 use crate::solver::multigrid::matrix::{Matrix, chunk_length, split_at_rows};
 use crate::solver::multigrid::prolongation::{Prolongation, WIDTH};
 
 /// The maps from a matrix K and a prolongation P to KP, and from there to PᵀKP.
-pub(super) struct Galerkin {
-    /// First entry of each row of KP, and their number at the end.
-    starts: Vec<u32>,
-    /// KP.
-    values: Vec<f32>,
-    /// Where each row's own weights go in its row of KP, and those of its neighbours.
-    own_slots: Vec<[u16; WIDTH]>,
-    slots: Vec<[[u16; WIDTH]; 8]>,
-    /// What of each row's mass and of its couplings to rows that do not take part remains.
-    masses: Vec<f32>,
-    /// First of each coarse row's `places`, and their number at the end.
-    place_starts: Vec<u64>,
-    /// Where every entry of KP that a coarse row gathers goes in it: its neighbours first, then
-    /// itself.
-    places: Vec<u16>,
+pub(super) enum Galerkin {
+    /// Where rows are short.
+    Narrow(Maps<u8>),
+    /// Where there are hubs.
+    Wide(Maps<u16>),
 }
 
 impl Galerkin {
@@ -37,10 +27,60 @@ impl Galerkin {
         prolongation: &Prolongation,
         stage: Stage,
     ) -> Result<(Self, Matrix)> {
+        match Maps::new(matrix, prolongation, stage) {
+            Err(Error::Solver(_)) => {
+                let (maps, coarse) = Maps::new(matrix, prolongation, stage)?;
+                Ok((Self::Wide(maps), coarse))
+            }
+            outcome => outcome.map(|(maps, coarse)| (Self::Narrow(maps), coarse)),
+        }
+    }
+
+    /// `coarse` ← PᵀKP.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn refresh(
+        &self,
+        matrix: &Matrix,
+        prolongation: &Prolongation,
+        coarse: &mut Matrix,
+        stage: Stage,
+    ) -> Result<()> {
+        match self {
+            Self::Narrow(maps) => maps.refresh(matrix, prolongation, coarse, stage),
+            Self::Wide(maps) => maps.refresh(matrix, prolongation, coarse, stage),
+        }
+    }
+}
+
+/// The same with places of one size.
+pub(super) struct Maps<S> {
+    /// First entry of each row of KP, and their number at the end.
+    starts: Vec<u32>,
+    /// Where each row's own weights go in its row of KP, and those of its neighbours.
+    own_slots: Vec<[S; WIDTH]>,
+    slots: Vec<[[S; WIDTH]; 8]>,
+    /// First of each coarse row's `places`, and their number at the end.
+    place_starts: Vec<u64>,
+    /// Where every entry of KP that a coarse row gathers goes in it: its neighbours first, then
+    /// itself.
+    places: Vec<S>,
+}
+
+/// KP, made anew for each matrix: it is not needed while systems are solved.
+struct Values {
+    entries: Vec<f32>,
+    /// What of each row's mass and of its couplings to rows that do not take part remains.
+    masses: Vec<f32>,
+}
+
+impl<S: Place> Maps<S> {
+    fn new(matrix: &Matrix, prolongation: &Prolongation, stage: Stage) -> Result<(Self, Matrix)> {
         let product = Product::new(matrix, prolongation, stage)?;
         let size = prolongation.coarse_size();
         let chunk = chunk_length(size);
-        let parts: Vec<Part> = (0..size.div_ceil(chunk))
+        let parts: Vec<Part<S>> = (0..size.div_ceil(chunk))
             .into_par_iter()
             .with_max_len(1)
             .map(|part| {
@@ -50,7 +90,7 @@ impl Galerkin {
             })
             .collect::<Result<_>>()?;
         let mut place_starts = vec![0];
-        let mut places = Vec::new();
+        let mut places = Vec::with_capacity(parts.iter().map(|part| part.places.len()).sum());
         for part in &parts {
             let first = places.len() as u64;
             place_starts.extend(part.place_ends.iter().map(|end| first + end));
@@ -58,47 +98,46 @@ impl Galerkin {
         }
         let rows = parts.iter().flat_map(|part| {
             let bounds = part.neighbour_starts.windows(2);
-            bounds.map(|bound| &part.neighbours[bound[0]..bound[1]])
+            bounds.map(|bound| part.neighbours[bound[0]..bound[1]].iter().copied())
         });
         let coarse = Matrix::with_pattern(rows, stage)?;
-        let galerkin = Self {
-            values: vec![0.0; product.columns.len()],
+        let maps = Self {
             starts: product.starts,
             own_slots: product.own_slots,
             slots: product.slots,
-            masses: vec![0.0; matrix.size()],
             place_starts,
             places,
         };
-        Ok((galerkin, coarse))
+        Ok((maps, coarse))
     }
 
-    /// `coarse` ← PᵀKP.
-    ///
-    /// # Errors
-    /// [`crate::Error::Cancelled`].
-    pub fn refresh(
-        &mut self,
+    fn refresh(
+        &self,
         matrix: &Matrix,
         prolongation: &Prolongation,
         coarse: &mut Matrix,
         stage: Stage,
     ) -> Result<()> {
-        stage.pass(|| self.multiply(matrix, prolongation))?;
-        stage.pass(|| self.gather(prolongation, coarse))
+        let product = stage.pass(|| self.multiply(matrix, prolongation))?;
+        stage.pass(|| self.gather(&product, prolongation, coarse))
     }
 
     /// KP, and the row sums of K over the rows that take part.
-    fn multiply(&mut self, matrix: &Matrix, prolongation: &Prolongation) {
+    fn multiply(&self, matrix: &Matrix, prolongation: &Prolongation) -> Values {
+        let count = self.starts.last().map_or(0, |&count| count as usize);
+        let mut product = Values {
+            entries: vec![0.0; count],
+            masses: vec![0.0; matrix.size()],
+        };
         let chunk = matrix.chunk();
         let (starts, slots, own_slots) = (&self.starts, &self.slots, &self.own_slots);
-        let parts = split_at_rows(&mut self.values, starts, chunk);
-        let parts = parts.into_par_iter().zip(self.masses.par_chunks_mut(chunk));
+        let parts = split_at_rows(&mut product.entries, starts, chunk);
+        let masses = product.masses.par_chunks_mut(chunk);
+        let parts = parts.into_par_iter().zip(masses);
         parts
             .enumerate()
             .with_max_len(1)
             .for_each(|(part, (values, masses))| {
-                values.fill(0.0);
                 let first = part * chunk;
                 for (offset, mass) in masses.iter_mut().enumerate() {
                     let row = first + offset;
@@ -117,19 +156,20 @@ impl Galerkin {
                                 *mass += coupling;
                             }
                             for (slot, weight) in slots.iter().zip(weights) {
-                                values[usize::from(*slot)] -= coupling * weight;
+                                values[(*slot).into()] -= coupling * weight;
                             }
                         }
                     }
                     for (slot, weight) in own_slots[row].iter().zip(&prolongation.weights[row]) {
-                        values[usize::from(*slot)] += diagonal * weight;
+                        values[(*slot).into()] += diagonal * weight;
                     }
                 }
             });
+        product
     }
 
     /// Pᵀ(KP).
-    fn gather(&self, prolongation: &Prolongation, coarse: &mut Matrix) {
+    fn gather(&self, product: &Values, prolongation: &Prolongation, coarse: &mut Matrix) {
         let chunk = coarse.chunk();
         let weights = prolongation.weights.as_flattened();
         let starts = &coarse.starts;
@@ -155,10 +195,10 @@ impl Galerkin {
                     *mass = 0.0;
                     for &entry in prolongation.entries(row) {
                         let (fine, weight) = (entry as usize / WIDTH, weights[entry as usize]);
-                        *mass += weight * self.masses[fine];
+                        *mass += weight * product.masses[fine];
                         let values = self.starts[fine] as usize..self.starts[fine + 1] as usize;
-                        for (value, place) in self.values[values].iter().zip(&mut places) {
-                            sums[usize::from(*place)] -= weight * value;
+                        for (value, place) in product.entries[values].iter().zip(&mut places) {
+                            sums[(*place).into()] -= weight * value;
                         }
                     }
                     for (octet, sums) in octets.iter_mut().zip(sums.chunks_exact(8)) {

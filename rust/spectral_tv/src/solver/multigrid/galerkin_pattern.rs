@@ -9,26 +9,49 @@ use crate::monitor::Stage;
 use crate::solver::multigrid::matrix::Matrix;
 use crate::solver::multigrid::prolongation::{Prolongation, WIDTH};
 
-/// Entries of a row that positions can tell apart; a mesh beyond that is for another solver.
-const MOST_ENTRIES: usize = u16::MAX as usize;
+/// A place among the entries of a row. Most rows are short: single bytes halve what is kept.
+pub(super) trait Place: Copy + Default + Eq + Into<usize> + Send + Sync {
+    /// Entries of a row that it can tell apart, and no place of any.
+    const MOST: Self;
+
+    /// That place, of those that are not too many.
+    fn of(place: usize) -> Self;
+}
+
+impl Place for u8 {
+    const MOST: Self = Self::MAX;
+
+    fn of(place: usize) -> Self {
+        place as Self
+    }
+}
+
+/// A mesh beyond that is for another solver.
+impl Place for u16 {
+    const MOST: Self = Self::MAX;
+
+    fn of(place: usize) -> Self {
+        place as Self
+    }
+}
 
 /// The pattern of KP.
-pub(super) struct Product {
+pub(super) struct Product<S> {
     /// First entry of each row, and their number at the end.
     pub starts: Vec<u32>,
     pub columns: Vec<u32>,
     /// Where each row's own weights go in its row, and those of its neighbours.
-    pub own_slots: Vec<[u16; WIDTH]>,
-    pub slots: Vec<[[u16; WIDTH]; 8]>,
+    pub own_slots: Vec<[S; WIDTH]>,
+    pub slots: Vec<[[S; WIDTH]; 8]>,
 }
 
-impl Product {
+impl<S: Place> Product<S> {
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if a vertex has too many neighbours.
     pub fn new(matrix: &Matrix, prolongation: &Prolongation, stage: Stage) -> Result<Self> {
         let (size, chunk) = (matrix.size(), matrix.chunk());
-        let mut own_slots = vec![[0; WIDTH]; size];
-        let mut slots = vec![[[0; WIDTH]; 8]; matrix.octets.len()];
+        let mut own_slots = vec![[S::default(); WIDTH]; size];
+        let mut slots = vec![[[S::default(); WIDTH]; 8]; matrix.octets.len()];
         let slot_parts = matrix.parts_of_octets(&mut slots);
         let parts = own_slots.par_chunks_mut(chunk).zip(slot_parts).enumerate();
         let lists: Vec<(Vec<u32>, Vec<u32>)> = parts
@@ -43,13 +66,13 @@ impl Product {
                     let start = columns.len();
                     let octets = matrix.starts[row] as usize..matrix.starts[row + 1] as usize;
                     let local = octets.start - matrix.starts[first] as usize;
-                    let mut place = |fine: usize| -> [u16; WIDTH] {
-                        let mut places = [0; WIDTH];
+                    let mut place = |fine: usize| -> [S; WIDTH] {
+                        let mut places = [S::default(); WIDTH];
                         if prolongation.reaches(fine) {
                             for (place, &column) in
                                 places.iter_mut().zip(&prolongation.columns[fine])
                             {
-                                *place = seen.place(row, column, start, &mut columns);
+                                *place = S::of(seen.place(row, column, start, &mut columns));
                             }
                         }
                         places
@@ -64,7 +87,7 @@ impl Product {
                     if columns.len() == start {
                         columns.push(0);
                     }
-                    check_width(columns.len() - start)?;
+                    check_width::<S>(columns.len() - start)?;
                     ends.push(columns.len() as u32);
                 }
                 Ok((ends, columns))
@@ -87,23 +110,23 @@ impl Product {
 }
 
 /// The pattern of some rows of PᵀKP.
-pub(super) struct Part {
+pub(super) struct Part<S> {
     /// First of each row's `neighbours`, and their number at the end.
     pub neighbour_starts: Vec<usize>,
     pub neighbours: Vec<u32>,
     /// End of each row's `places`.
     pub place_ends: Vec<u64>,
     /// Where every entry of KP that a row gathers goes in it: its neighbours first, then itself.
-    pub places: Vec<u16>,
+    pub places: Vec<S>,
 }
 
-impl Part {
+impl<S: Place> Part<S> {
     /// # Errors
     /// [`Error::Solver`] if a row has too many neighbours.
     pub fn new(
         rows: Range<usize>,
         size: usize,
-        product: &Product,
+        product: &Product<S>,
         prolongation: &Prolongation,
     ) -> Result<Self> {
         let mut part = Self {
@@ -121,18 +144,17 @@ impl Part {
                 let columns = product.starts[fine] as usize..product.starts[fine + 1] as usize;
                 for &column in &product.columns[columns] {
                     part.places.push(match column as usize == row {
-                        true => OWN,
-                        false => seen.place(row, column, start, &mut part.neighbours),
+                        true => S::MOST,
+                        false => S::of(seen.place(row, column, start, &mut part.neighbours)),
                     });
                 }
             }
             let width = (part.neighbours.len() - start).next_multiple_of(8);
-            check_width(width + 1)?;
-            for place in part.places[first..]
-                .iter_mut()
-                .filter(|place| **place == OWN)
-            {
-                *place = width as u16;
+            check_width::<S>(width + 1)?;
+            // A row's own entry stands at the end, which is known only now.
+            let places = part.places[first..].iter_mut();
+            for place in places.filter(|place| **place == S::MOST) {
+                *place = S::of(width);
             }
             part.neighbour_starts.push(part.neighbours.len());
             part.place_ends.push(part.places.len() as u64);
@@ -141,11 +163,8 @@ impl Part {
     }
 }
 
-/// Stands for a row's own entry until its place is known.
-const OWN: u16 = u16::MAX;
-
-fn check_width(width: usize) -> Result<()> {
-    match width < MOST_ENTRIES {
+fn check_width<S: Place>(width: usize) -> Result<()> {
+    match width < S::MOST.into() {
         true => Ok(()),
         false => Err(Error::Solver("a vertex has too many neighbours".into())),
     }
@@ -154,7 +173,7 @@ fn check_width(width: usize) -> Result<()> {
 /// Where columns were listed in the row at work.
 struct Seen {
     /// The last row + 1 that listed each column, and where.
-    listed: Vec<(u32, u16)>,
+    listed: Vec<(u32, u32)>,
 }
 
 impl Seen {
@@ -166,13 +185,13 @@ impl Seen {
 
     /// The place of `column` in the list of `row`, which begins at `start` of `columns`.
     #[inline]
-    fn place(&mut self, row: usize, column: u32, start: usize, columns: &mut Vec<u32>) -> u16 {
+    fn place(&mut self, row: usize, column: u32, start: usize, columns: &mut Vec<u32>) -> usize {
         let listed = &mut self.listed[column as usize];
         if listed.0 != row as u32 + 1 {
             // Rows that overflow are refused once they are whole.
-            *listed = (row as u32 + 1, (columns.len() - start) as u16);
+            *listed = (row as u32 + 1, (columns.len() - start) as u32);
             columns.push(column);
         }
-        listed.1
+        listed.1 as usize
     }
 }

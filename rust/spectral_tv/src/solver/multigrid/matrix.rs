@@ -21,6 +21,16 @@ pub(super) struct Octet {
     pub couplings: [f32; 8],
 }
 
+impl Octet {
+    /// Of a row, with nothing in it.
+    fn of_row(row: usize) -> Self {
+        Self {
+            columns: [row as u32; 8],
+            couplings: [0.0; 8],
+        }
+    }
+}
+
 /// A symmetric matrix with couplings c_ij and row sums m_i.
 pub(super) struct Matrix {
     /// First octet of each row, and their number at the end.
@@ -53,20 +63,25 @@ impl Matrix {
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
-    pub fn with_pattern<'a>(
-        neighbours: impl Iterator<Item = &'a [u32]> + Clone,
+    pub fn with_pattern<R: ExactSizeIterator<Item = u32>>(
+        neighbours: impl Iterator<Item = R> + Clone,
         stage: Stage,
     ) -> Result<Self> {
         let mut starts = vec![0];
         let count = neighbours.clone().map(|columns| columns.len().div_ceil(8));
         let mut octets = Vec::with_capacity(count.sum());
         stage.for_each(neighbours.enumerate(), |(row, columns)| {
-            for part in columns.chunks(8) {
-                let mut octet = Octet {
-                    columns: [row as u32; 8],
-                    couplings: [0.0; 8],
-                };
-                octet.columns[..part.len()].copy_from_slice(part);
+            let mut octet = Octet::of_row(row);
+            let mut count = 0;
+            for column in columns {
+                octet.columns[count] = column;
+                count += 1;
+                if count == 8 {
+                    octets.push(std::mem::replace(&mut octet, Octet::of_row(row)));
+                    count = 0;
+                }
+            }
+            if count > 0 {
                 octets.push(octet);
             }
             starts.push(octets.len() as u32);

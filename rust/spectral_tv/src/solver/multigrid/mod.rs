@@ -29,10 +29,12 @@ mod system;
 mod tests;
 mod v_cycle;
 
+use std::sync::Arc;
+
 use ndarray::{Array2, ArrayView2, Axis};
-use sprs::CsMatI;
 
 use crate::error::{Error, Result};
+use crate::graph::Graph;
 use crate::monitor::Stage;
 use hierarchy::Hierarchy;
 use ordering::Ordering;
@@ -52,6 +54,9 @@ const MOST_OUTDATED_ITERATIONS: f64 = 1.0;
 const MOST_WASTED_ITERATIONS: f64 = 12.0;
 /// That gain: six digits.
 const GAIN: f64 = 1e-6;
+/// Unknowns from which the vectors of iterations are given back after each solution. Others use that
+/// memory in between, and to have it again costs little: the system takes large arrays back anyway.
+const LARGE: usize = 1 << 19;
 
 /// A solver for symmetric positive definite matrices of one pattern.
 pub struct Multigrid {
@@ -100,12 +105,12 @@ impl CoarseLevels {
 }
 
 impl Multigrid {
-    /// Analyses the pattern of `lower`, the lower triangle of the matrices to come.
+    /// Analyses the `graph` of the matrices to come.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    pub fn analyse(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
-        let ordering = Ordering::breadth_first(lower, stage)?;
+    pub(crate) fn analyse(graph: Arc<Graph>, stage: Stage) -> Result<Self> {
+        let ordering = Ordering::breadth_first(graph, stage)?;
         let matrix = system::pattern(&ordering, stage)?;
         Ok(Self {
             ordering,
@@ -121,18 +126,20 @@ impl Multigrid {
         })
     }
 
-    /// Takes the matrix whose lower triangle is `lower` and whose rows sum to `masses`.
+    /// Takes the matrix diag(`masses`) + `tau` L, where L has the off-diagonal entries −`couplings` and
+    /// rows that sum to 0.
     ///
     /// # Errors
     /// [`Error::Cancelled`], or [`Error::Solver`] if the matrix is not positive definite.
     pub fn set_matrix(
         &mut self,
-        lower: &CsMatI<f64, u32>,
         masses: &[f64],
+        (couplings, tau): (&[f64], f64),
         stage: Stage,
     ) -> Result<()> {
         let finest = &mut self.hierarchy.levels[0].matrix;
-        self.scale = stage.pass(|| system::refresh(finest, &self.ordering, lower, masses))?;
+        let (ordering, values) = (&self.ordering, (couplings, tau));
+        self.scale = stage.pass(|| system::refresh(finest, ordering, masses, values))?;
         let levels = self.coarse_levels;
         let must_coarsen = matches!(levels, CoarseLevels::Unset | CoarseLevels::Unfit);
         if must_coarsen || self.age >= self.lifetime {
@@ -185,6 +192,9 @@ impl Multigrid {
                     outcome?;
                 }
             }
+        }
+        if solutions.ncols() >= LARGE {
+            (self.single, self.quadruple) = (None, None);
         }
         Ok(solutions)
     }

@@ -1,15 +1,15 @@
 //! Breadth-first vertex order: neighbours in the mesh become neighbours in memory.
 
-use sprs::CsMatI;
+use std::sync::Arc;
 
 use crate::error::Result;
+use crate::graph::Graph;
 use crate::monitor::Stage;
-use crate::solver::graph::Graph;
 
 /// Vertices between two looks at whether the work was cancelled.
 const PIECE: usize = 1 << 16;
 
-/// A permutation of the vertices, and the neighbours of each in it.
+/// A permutation of the vertices of a graph.
 ///
 /// Iterates then depend on the order the caller gave by rounding and ties alone, and a sweep
 /// finds the values of neighbours in cache.
@@ -18,47 +18,42 @@ pub(super) struct Ordering {
     pub order: Vec<u32>,
     /// Where each of the caller's vertices is in it.
     pub places: Vec<u32>,
-    /// First neighbour of each vertex in `neighbours`, V + 1.
-    pub starts: Vec<u32>,
-    /// The neighbours of each, by their place in the order.
-    pub neighbours: Vec<u32>,
-    /// The entries of the matrix's lower triangle that couple them.
-    pub entries: Vec<u32>,
+    /// The graph, by the caller's indices.
+    pub graph: Arc<Graph>,
 }
 
 impl Ordering {
-    /// The order of the graph of a matrix, of which `lower` is the lower triangle.
+    /// The order of a graph.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
-    pub fn breadth_first(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
-        let graph = Graph::new(lower, stage)?;
+    pub fn breadth_first(graph: Arc<Graph>, stage: Stage) -> Result<Self> {
         let order = graph.breadth_first(stage)?;
         let mut places = vec![0; order.len()];
         stage.for_each(order.iter().enumerate(), |(place, &vertex)| {
             places[vertex as usize] = place as u32;
         })?;
-        let mut starts = Vec::with_capacity(order.len() + 1);
-        let mut neighbours = Vec::with_capacity(graph.neighbours.len());
-        let mut entries = Vec::with_capacity(graph.neighbours.len());
-        let mut row: Vec<(u32, u32)> = Vec::new();
-        starts.push(0);
-        stage.for_each(&order, |&vertex| {
-            let of_vertex = graph.neighbours_of(vertex as usize).iter();
-            row.clear();
-            row.extend(of_vertex.map(|&(other, entry)| (places[other as usize], entry)));
-            row.sort_unstable();
-            neighbours.extend(row.iter().map(|pair| pair.0));
-            entries.extend(row.iter().map(|pair| pair.1));
-            starts.push(neighbours.len() as u32);
-        })?;
         Ok(Self {
-            places,
             order,
-            starts,
-            neighbours,
-            entries,
+            places,
+            graph,
         })
+    }
+
+    /// The neighbours of the vertex at a place, by the caller's indices, with the entries that couple them.
+    #[inline]
+    pub fn neighbours_at(&self, place: usize) -> &[(u32, u32)] {
+        self.graph.neighbours_of(self.order[place] as usize)
+    }
+
+    /// Fills `row` with the same by their places, in order. To sort them for each matrix costs less than to
+    /// keep them.
+    #[inline]
+    pub fn sorted_row(&self, place: usize, row: &mut Vec<(u32, u32)>) {
+        let neighbours = self.neighbours_at(place).iter();
+        row.clear();
+        row.extend(neighbours.map(|&(other, entry)| (self.places[other as usize], entry)));
+        row.sort_unstable();
     }
 }
 
@@ -66,7 +61,7 @@ impl Graph {
     /// The vertices, component by component, ring by ring around the end of a first search:
     /// rings are then short.
     fn breadth_first(&self, stage: Stage) -> Result<Vec<u32>> {
-        let size = self.starts.len() - 1;
+        let size = self.size();
         let mut order = Vec::with_capacity(size);
         let mut visited = vec![false; size];
         for seed in 0..size {
@@ -120,17 +115,16 @@ mod tests {
     fn every_vertex_has_one_place_and_its_neighbours_are_near() {
         let (lower, _) = lattice(40, 30, 1.0);
         let monitor = Monitor::new();
-        let ordering = Ordering::breadth_first(&lower, monitor.whole()).unwrap();
+        let graph = Arc::new(Graph::new(&lower, monitor.whole()).unwrap());
+        let ordering = Ordering::breadth_first(graph, monitor.whole()).unwrap();
         let mut sorted = ordering.order.clone();
         sorted.sort_unstable();
         assert!(sorted.iter().enumerate().all(|(i, &v)| i == v as usize));
         for place in 0..ordering.order.len() {
-            let range = ordering.starts[place] as usize..ordering.starts[place + 1] as usize;
-            let neighbours = ordering.neighbours[range.clone()].iter();
-            for (&neighbour, &entry) in neighbours.zip(&ordering.entries[range]) {
-                let ends = [place, neighbour as usize].map(|p| ordering.order[p]);
-                assert_eq!(lower.indices()[entry as usize], ends[0].max(ends[1]));
-                assert!((neighbour as usize).abs_diff(place) <= 80);
+            for &(neighbour, entry) in ordering.neighbours_at(place) {
+                let vertex = ordering.order[place];
+                assert_eq!(lower.indices()[entry as usize], vertex.max(neighbour));
+                assert!((ordering.places[neighbour as usize] as usize).abs_diff(place) <= 80);
             }
         }
     }

@@ -18,8 +18,8 @@ pub(super) struct Iteration<const L: usize> {
     /// The right-hand side before, the residual after.
     pub residual: Vec<Lanes<L>>,
     search: Vec<Lanes<L>>,
+    /// K p, and in between what a cycle makes of the residual: the one is never needed beside the other.
     image: Vec<Lanes<L>>,
-    preconditioned: Vec<Lanes<L>>,
     workspace: Workspace<L>,
 }
 
@@ -41,7 +41,6 @@ impl<const L: usize> Iteration<L> {
             residual: zeros(),
             search: zeros(),
             image: zeros(),
-            preconditioned: zeros(),
             workspace: Workspace::new(hierarchy),
         }
     }
@@ -69,10 +68,10 @@ impl<const L: usize> Iteration<L> {
             true => stage.pass(|| self.start(hierarchy))?,
             false => 0.0,
         };
-        let (residual, preconditioned) = (&self.residual, &mut self.preconditioned);
+        let (residual, preconditioned) = (&self.residual, &mut self.image);
         let cycle = || self.workspace.cycle(hierarchy, residual, preconditioned);
         let mut energy = stage.pass(cycle)?;
-        self.search.copy_from_slice(&self.preconditioned);
+        self.search.copy_from_slice(&self.image);
         let start = total(energy);
         // Squared errors over those of the iteration before.
         let mut falls = [1.0_f64; 2];
@@ -106,7 +105,7 @@ impl<const L: usize> Iteration<L> {
             if report.has_converged {
                 return Ok(report);
             }
-            let (residual, preconditioned) = (&self.residual, &mut self.preconditioned);
+            let (residual, preconditioned) = (&self.residual, &mut self.image);
             let workspace = &mut self.workspace;
             let next =
                 stage.pass(|| workspace.finish_cycle(hierarchy, residual, preconditioned))?;
@@ -191,9 +190,7 @@ impl<const L: usize> Iteration<L> {
     fn turn(&mut self, ratios: Lanes<L>) {
         let chunk = chunk_length(self.search.len());
         let chunks = self.search.par_chunks_mut(chunk);
-        let chunks = chunks
-            .zip(self.preconditioned.par_chunks(chunk))
-            .with_max_len(1);
+        let chunks = chunks.zip(self.image.par_chunks(chunk)).with_max_len(1);
         chunks.for_each(|(search, preconditioned)| {
             for (search, preconditioned) in search.iter_mut().zip(preconditioned) {
                 for lane in 0..L {

@@ -2,7 +2,6 @@
 
 use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
-use sprs::CsMatI;
 
 use crate::error::Result;
 use crate::monitor::Stage;
@@ -15,18 +14,21 @@ use crate::solver::multigrid::ordering::Ordering;
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub(super) fn pattern(ordering: &Ordering, stage: Stage) -> Result<Matrix> {
-    let bounds = ordering.starts.windows(2);
-    let rows = bounds.map(|bound| &ordering.neighbours[bound[0] as usize..bound[1] as usize]);
+    let rows = (0..ordering.order.len()).map(|place| {
+        let mut row = Vec::new();
+        ordering.sorted_row(place, &mut row);
+        row.into_iter().map(|(other, _)| other)
+    });
     Matrix::with_pattern(rows, stage)
 }
 
-/// Takes the values of the matrix with the lower triangle `lower` and the row sums `masses`, all
+/// Takes the matrix diag(`masses`) + `tau` L with the off-diagonal entries −`couplings` of L, all
 /// divided by the mean mass, which is returned: single precision then has room to both sides.
 pub(super) fn refresh(
     matrix: &mut Matrix,
     ordering: &Ordering,
-    lower: &CsMatI<f64, u32>,
     masses: &[f64],
+    (couplings, tau): (&[f64], f64),
 ) -> f64 {
     let scale = masses.iter().sum::<f64>() / masses.len() as f64;
     let (chunk, starts) = (matrix.chunk(), &matrix.starts);
@@ -34,20 +36,20 @@ pub(super) fn refresh(
     let parts = parts
         .into_par_iter()
         .zip(matrix.masses.par_chunks_mut(chunk));
-    let values = lower.data();
     parts
         .enumerate()
         .with_max_len(1)
         .for_each(|(part, (octets, row_sums))| {
             let first = part * chunk;
+            let mut sorted = Vec::new();
             for (offset, row_sum) in row_sums.iter_mut().enumerate() {
                 let row = first + offset;
                 *row_sum = (masses[ordering.order[row] as usize] / scale) as f32;
                 let octets = &mut octets[(starts[row] - starts[first]) as usize..];
-                let entries = ordering.starts[row] as usize..ordering.starts[row + 1] as usize;
-                for (octet, entries) in octets.iter_mut().zip(ordering.entries[entries].chunks(8)) {
-                    for (coupling, entry) in octet.couplings.iter_mut().zip(entries) {
-                        *coupling = (-values[*entry as usize] / scale) as f32;
+                ordering.sorted_row(row, &mut sorted);
+                for (octet, neighbours) in octets.iter_mut().zip(sorted.chunks(8)) {
+                    for (coupling, (_, entry)) in octet.couplings.iter_mut().zip(neighbours) {
+                        *coupling = (tau * couplings[*entry as usize] / scale) as f32;
                     }
                 }
             }

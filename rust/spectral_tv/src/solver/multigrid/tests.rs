@@ -1,12 +1,19 @@
 //! Tests of what the solver as a whole promises.
 
+use std::sync::Arc;
+
 use ndarray::Array2;
 use sprs::CsMatI;
 
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::monitor::Monitor;
-use crate::solver::multigrid::examples::{irregular, lattice, random, system_of};
+use crate::solver::multigrid::examples::{couplings_of, irregular, lattice, random, system_of};
 use crate::solver::{Cholesky, Demand, LinearSolver, Multigrid, Solver, Symbolic};
+
+fn graph_of(lower: &CsMatI<f64, u32>) -> Arc<Graph> {
+    Arc::new(Graph::new(lower, Monitor::new().whole()).unwrap())
+}
 
 fn functions(channels: usize, size: usize) -> Array2<f64> {
     let noise = random::<4>(channels * size, 9);
@@ -21,8 +28,9 @@ fn solved(
     guess: Option<&Array2<f64>>,
 ) -> Array2<f64> {
     let monitor = Monitor::new();
-    let mut solver = Multigrid::analyse(lower, monitor.whole()).unwrap();
-    solver.set_matrix(lower, masses, monitor.whole()).unwrap();
+    let mut solver = Multigrid::analyse(graph_of(lower), monitor.whole()).unwrap();
+    let values = (&*couplings_of(lower), 1.0);
+    solver.set_matrix(masses, values, monitor.whole()).unwrap();
     let guess = guess.map(|guess| guess.view());
     solver
         .solve(right.view(), guess, 1e-6, monitor.whole())
@@ -89,11 +97,12 @@ fn threads_make_no_difference() {
 fn matrices_may_change_beyond_recognition() {
     let monitor = Monitor::new();
     let (lower, masses) = lattice(70, 60, 100.0);
-    let mut solver = Multigrid::analyse(&lower, monitor.whole()).unwrap();
+    let mut solver = Multigrid::analyse(graph_of(&lower), monitor.whole()).unwrap();
     let right = functions(2, masses.len());
     for mass in [100.0, 1.0, 1e-2, 1e-4, 50.0] {
         let (lower, masses) = lattice(70, 60, mass);
-        solver.set_matrix(&lower, &masses, monitor.whole()).unwrap();
+        let values = (&*couplings_of(&lower), 1.0);
+        solver.set_matrix(&masses, values, monitor.whole()).unwrap();
         let solution = solver
             .solve(right.view(), None, 1e-6, monitor.whole())
             .unwrap();
@@ -117,10 +126,10 @@ fn what_does_not_converge_is_factorized() {
     };
     let (choice, symbolic) = (Solver::Multigrid, Symbolic::default());
     let stage = monitor.whole();
-    let mut solver = LinearSolver::new(lower.clone(), &symbolic, choice, demand, stage).unwrap();
-    let couplings: Vec<f64> = lower.data().iter().map(|value| -value).collect();
+    let mut solver =
+        LinearSolver::new(&graph_of(&lower), &symbolic, choice, demand, stage).unwrap();
     solver
-        .set_matrix(&masses, &couplings, 1.0, monitor.whole())
+        .set_matrix(&masses, couplings_of(&lower), 1.0, monitor.whole())
         .unwrap();
     let right = functions(1, 400);
     let solution = solver.solve(&right, None, 1e-6, monitor.whole()).unwrap();
@@ -132,8 +141,10 @@ fn what_does_not_converge_is_factorized() {
 fn cancelling_ends_every_stage() {
     let (lower, masses) = lattice(40, 40, 1e-2);
     let monitor = Monitor::new();
-    let mut solver = Multigrid::analyse(&lower, monitor.whole()).unwrap();
-    solver.set_matrix(&lower, &masses, monitor.whole()).unwrap();
+    let mut solver = Multigrid::analyse(graph_of(&lower), monitor.whole()).unwrap();
+    let couplings = couplings_of(&lower);
+    let values = (&*couplings, 1.0);
+    solver.set_matrix(&masses, values, monitor.whole()).unwrap();
     monitor.cancel();
     let stage = monitor.whole();
     let right = functions(1, masses.len());
@@ -142,11 +153,11 @@ fn cancelling_ends_every_stage() {
         Err(Error::Cancelled)
     );
     assert_eq!(
-        solver.set_matrix(&lower, &masses, stage),
+        solver.set_matrix(&masses, values, stage),
         Err(Error::Cancelled)
     );
     assert!(matches!(
-        Multigrid::analyse(&lower, stage),
+        Multigrid::analyse(graph_of(&lower), stage),
         Err(Error::Cancelled)
     ));
 }

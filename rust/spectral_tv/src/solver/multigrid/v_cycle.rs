@@ -7,7 +7,6 @@ use crate::solver::multigrid::matrix::{Dot, Lanes};
 /// The vectors of one level that a cycle works in.
 struct Vectors<const L: usize> {
     smoothed: Vec<Lanes<L>>,
-    residual: Vec<Lanes<L>>,
     /// Right-hand side and solution of the next level.
     coarse: (Vec<Lanes<L>>, Vec<Lanes<L>>),
 }
@@ -25,7 +24,6 @@ impl<const L: usize> Workspace<L> {
         let next = sizes.clone().skip(1).chain([0]);
         let levels = sizes.zip(next).map(|(size, next)| Vectors {
             smoothed: zeros(size),
-            residual: zeros(if next > 0 { size } else { 0 }),
             coarse: (zeros(next), zeros(next)),
         });
         Self {
@@ -97,10 +95,11 @@ fn finish<const L: usize>(
         }
         return smoother.post_smooth(matrix, right_hand_side, &own.smoothed, None, solution);
     };
-    matrix.residual(right_hand_side, &own.smoothed, &mut own.residual);
+    // The residual is restricted before the solution takes its place.
+    matrix.residual(right_hand_side, &own.smoothed, solution);
     let prolongation = &coarsening.prolongation;
     let (coarse_right, correction) = &mut own.coarse;
-    prolongation.restrict(&own.residual, coarse_right);
+    prolongation.restrict(solution, coarse_right);
     pre_smooth(hierarchy, index + 1, below, coarse_right);
     finish(hierarchy, index + 1, below, coarse_right, correction);
     let coarse = Some((prolongation, &correction[..]));
