@@ -22,10 +22,15 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 
 >>> posed = spectral_tv.pose(mesh, indices, targets)   # the pieces turn, with joints between them
 >>> posed.vertices, posed.rotations                    # (V, 3), and (V, 4) unit quaternions
+
+>>> taken = spectral_tv.transfer(scan, retopology)     # to other vertices in about the same place
+>>> taken.vectors(bands), taken.missed                 # (5, N, 3), and (N,)
 """
 
 from spectral_tv._accuracy import accuracy, start_accuracy
+from spectral_tv._bars import progress_bar
 from spectral_tv._caricature import caricature, start_caricature
+from spectral_tv._carry import Carried, carry
 from spectral_tv._copies import prepare
 from spectral_tv._cosegment import cosegment, start_cosegment
 from spectral_tv._decompose import (
@@ -77,9 +82,11 @@ from spectral_tv._results import (
     SafeDisplacement,
 )
 from spectral_tv._rig import rig, start_rig
+from spectral_tv._sequence import decompose_sequence
 from spectral_tv._surfaces import in_kind
 from spectral_tv._thickness import start_thickness, thickness
 from spectral_tv._threads import use_threads
+from spectral_tv._transfer import Transfer, transfer
 
 prepare()
 
@@ -88,6 +95,7 @@ __all__ = [
     "METHODS",
     "Accuracy",
     "Cancelled",
+    "Carried",
     "Decomposition",
     "Deformation",
     "Deformer",
@@ -105,13 +113,16 @@ __all__ = [
     "Poser",
     "Rig",
     "SafeDisplacement",
+    "Transfer",
     "__version__",
     "accuracy",
     "caricature",
+    "carry",
     "conformal_flow",
     "cosegment",
     "decompose",
     "decompose_image",
+    "decompose_sequence",
     "default_base_time",
     "default_scales",
     "deform",
@@ -123,6 +134,7 @@ __all__ = [
     "graded_times",
     "in_kind",
     "pose",
+    "progress_bar",
     "rig",
     "safe_displacement",
     "self_intersections",
@@ -144,5 +156,6 @@ __all__ = [
     "thickness",
     "threads",
     "total_variation",
+    "transfer",
     "use_threads",
 ]

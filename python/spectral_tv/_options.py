@@ -152,6 +152,8 @@ _defaults, _methods = _native._facts()
 #: The default of each option of `decompose`, by its name.
 DEFAULTS: Mapping[str, Any] = MappingProxyType(_defaults)
 STEPS: int = DEFAULTS["steps"]
+# Where an accuracy is asked for: steps of the first flow. The next has twice as many.
+FEWEST_STEPS = 12
 #: The facts of each method, by its name.
 METHODS: Mapping[str, MethodFacts] = MappingProxyType(
     {

@@ -10,7 +10,9 @@ from spectral_tv._work import starting, waiting
 
 
 @waiting
-def thickness(mesh: Mesh, progress: Progress | None = None) -> Job[NDArray[np.float64]]:
+def thickness(
+    mesh: Mesh, before: Mesh | None = None, progress: Progress | None = None
+) -> Job[NDArray[np.float64]]:
     """How thick the shape is at each vertex: the radius of the largest inscribed ball that reaches
     it (the local thickness of Hildebrand and Rüegsegger 1997).
 
@@ -18,9 +20,17 @@ def thickness(mesh: Mesh, progress: Progress | None = None) -> Job[NDArray[np.fl
     layers, balls on either side count, so that a sleeve is as thick as an arm. It is measured once
     for a mesh.
 
+    The balls at a vertex are others after the least motion, so what is measured flickers over the
+    frames of an animation. With `before` it does not, and bands of
+    `mesh.with_thickness(thickness(mesh, before))` keep limbs as those of the frame before do.
+
     Parameters
     ----------
     mesh : Mesh
+    before : Mesh, optional
+        The same shape a moment earlier, with the thickness that it had. Vertices that stay keep
+        theirs. If the triangles are others, a vertex has that of the nearest point of `before`, by
+        nine tenths, unless that is farther away than the shape is thick.
     {progress}
 
     Returns
@@ -33,7 +43,7 @@ def thickness(mesh: Mesh, progress: Progress | None = None) -> Job[NDArray[np.fl
     MemoryError
         If the work does not fit into what is available.
     """
-    return _native.start_thickness(mesh)
+    return _native.start_thickness(mesh, before)
 
 
 start_thickness = starting(thickness)

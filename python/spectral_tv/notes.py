@@ -29,6 +29,11 @@ def listed(names: Iterable[str]) -> str:
     return ", ".join(distinct[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
+def a(suffix: str) -> str:
+    """A file of this suffix, with its article."""
+    return f"an {suffix}" if suffix[1] in "aeo" else f"a {suffix}"
+
+
 @contextmanager
 def about(name: str) -> Iterator[None]:
     """Say in all notes meanwhile which of several objects they are about."""

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -69,3 +70,9 @@ def _curve(text: str) -> Sequence[tuple[float, float]]:
     if any(a[0] >= b[0] for a, b in pairwise(points)):
         raise argparse.ArgumentTypeError(f"the X of {text!r} have to increase")
     return points
+
+
+def filter_of(choices: argparse.Namespace, count: int) -> dict[str, Any]:
+    """The options of a FilterSettings that stand for the gains of so many bands."""
+    gains = [1 + value for value in band_values(choices, count)]
+    return {"preset": "GAINS", "gains": " ".join(map(repr, gains))}

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import spectral_tv
 from spectral_tv import DEFAULTS
+from spectral_tv._options import FEWEST_STEPS
 from spectral_tv.bands.gains import too_few_steps
 from spectral_tv.bands.methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
 from spectral_tv.options.declaring import (
@@ -36,6 +37,12 @@ INTO_ANY = (
     *INTO,
     ("REPLACE_ANY", "Replace Any",
      "The new bands take the place of the active ones, of whatever method these are"),
+)  # fmt: skip
+BANDS_AS = (
+    ("KEYS", "Shape Keys", "One shape key per band"),
+    ("ATTRIBUTES", "Attributes",
+     "One vector attribute per band, which a Geometry Nodes modifier adds: the mesh may be "
+     "subdivided and remeshed, and modifiers applied"),
 )  # fmt: skip
 # With icons and numbers, as files keep the numbers of old.
 BASES = (
@@ -74,8 +81,6 @@ SHAPES = (
 ON_NEW_OBJECT = ("APPLIED", "MULTIRES")
 # What options are in effect where a record says nothing of them.
 BEFORE = {"soft_edges": 0.0, "keep_limbs": 0.0, "base": "FLOW", "displacement": "SCALAR"}
-# Where an accuracy is asked for: steps of the first flow. The next has twice as many.
-FEWEST_STEPS = 12
 # Corners of open edges that are this near are meant to be one: percent of the object's size. It is
 # what rounding leaves of coordinates with six digits.
 WELD = 1e-3
@@ -188,6 +193,12 @@ class Settings:
         "Faces with a vertex that has no finite place take no part. Otherwise the mesh is refused",
         place="shape", argument="leave-out"
     )  # fmt: skip
+    bands_as: str = choice("Bands as", "What bands are kept as", BANDS_AS, place="shape")
+    heights: bool = switch(
+        "Heights",
+        "Also write how far each band moves the surface outwards, as attributes for masks and "
+        "shading. Inwards is negative", place="shape"
+    )  # fmt: skip
 
     def text(self) -> str:
         """As a text to be kept."""
@@ -229,23 +240,30 @@ class Settings:
         """What is wrong with the numbers of bands and steps; None if nothing is."""
         return too_few_steps(self.band_count, self.least_steps)
 
-    def arguments(self, mesh: spectral_tv.Mesh, base: NDArray[np.float64] | None) -> dict[str, Any]:
+    def arguments(
+        self,
+        mesh: spectral_tv.Mesh,
+        base: NDArray[np.float64] | None,
+        area: float | None = None,
+    ) -> dict[str, Any]:
         """Keyword arguments of spectral_tv.decompose; ``base`` (V, 3) for M3, if any.
 
-        Raises spectral_tv.MeshError if the scales make no sense.
+        Sizes are relative to the mesh's own area, or to another one. Raises spectral_tv.MeshError
+        if the scales make no sense.
         """
-        arguments = {**self.method_arguments(mesh, base), **keywords(self)}
+        area = mesh.area if area is None else area
+        arguments = {**self.method_arguments(area, base), **keywords(self)}
         if not self.by.takes_steps and self.by.has_bands and not (self.finest or self.largest):
             arguments["steps"] = self.steps
         elif self.by.has_bands:
             steps = FEWEST_STEPS if self.is_adaptive else self.steps
-            arguments["times"] = spectral_tv.graded_times(*self.scales(mesh), steps)
+            arguments["times"] = spectral_tv.graded_times(*self.scales(area), steps)
         return arguments
 
     def method_arguments(
-        self, mesh: spectral_tv.Mesh | None, base: NDArray[np.float64] | None
+        self, area: float | None, base: NDArray[np.float64] | None
     ) -> dict[str, Any]:
-        """Those that name the method and, where there is a mesh, its base."""
+        """Those that name the method and, where the area is known, its base."""
         arguments: dict[str, Any] = {"method": self.by.package}
         if self.by.p is not None:
             arguments["p"] = self.by.p
@@ -256,8 +274,8 @@ class Settings:
             return arguments
         if self.own_base() is not None:
             arguments["base"] = self.own_base()
-        if self.base_amount and mesh is not None:
-            arguments["base_time"] = mesh.area * self.base_amount**2
+        if self.base_amount and area is not None:
+            arguments["base_time"] = area * self.base_amount**2
         return arguments
 
     def own_base(self) -> Literal["limbs"] | None:
@@ -270,10 +288,10 @@ class Settings:
         found = [spectral_tv.estimate(count, **how) for count in counts]
         return total(found, is_least=self.is_adaptive)
 
-    def scales(self, mesh: spectral_tv.Mesh) -> tuple[float, float]:
-        """The times of the finest and of the largest scale, length²."""
+    def scales(self, area: float) -> tuple[float, float]:
+        """The times of the finest and of the largest scale on a surface of this area, length²."""
         finest, largest = self.relative_scales()
-        return mesh.area * finest, mesh.area * largest
+        return area * finest, area * largest
 
     def relative_scales(self) -> tuple[float, float]:
         """The same relative to the area."""

@@ -1,6 +1,7 @@
 """``decompose``: files in, bands or filtered shapes out."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,35 +9,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 import spectral_tv
+from spectral_tv.bands.clamping import start_clamping
 from spectral_tv.bands.counts import Counts
+from spectral_tv.bands.filtering import KEEPS_ALL
 from spectral_tv.bands.gain_arguments import add_gains, band_values, complaint_of_gains
-from spectral_tv.bands.joining import joined
+from spectral_tv.bands.guard import STRETCH, add_safe, advice_of
+from spectral_tv.bands.limits import Limited
 from spectral_tv.cli.formats import FORMATS, Holds, told
-from spectral_tv.cli.reading import Read, read
-from spectral_tv.cli.settings import FileSettings
-from spectral_tv.cli.writing import Bands, write
-from spectral_tv.command_line.command import Command
-from spectral_tv.command_line.places import (
-    add_places,
-    add_report,
-    complaint_of_clashes,
-    complaint_of_places,
-    ensure_file,
-    is_folder,
-    target_of,
-)
-from spectral_tv.command_line.progress import progress, say
-from spectral_tv.command_line.report import Entry
-from spectral_tv.files.whole import ensure_writable
+from spectral_tv.cli.reading import Read
+from spectral_tv.cli.sequence import SequenceVerb
+from spectral_tv.cli.settings import FileLimit, FileSettings
+from spectral_tv.cli.surface import Surface
+from spectral_tv.cli.writing import Result
+from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import note
 from spectral_tv.options.arguments import add_arguments as add_options
-from spectral_tv.options.arguments import complaint
-from spectral_tv.refusal import Refusal
+from spectral_tv.options.arguments import read
 
 Numbers = NDArray[np.float64]
+SAFE = "safe"
 
 
-class Decompose(Command):
+class Decompose(SequenceVerb):
     """Splits files into bands, and filters them."""
 
     name = "decompose"
@@ -53,97 +47,121 @@ other formats hold the filtered shape; some have the bands beside it, as numbers
 
     options = FileSettings
 
-    @staticmethod
-    def formats() -> str:
+    @classmethod
+    def formats(cls) -> str:
         """Lines that tell what it reads and writes."""
         return told()
 
+    def estimate(self, vertices: int) -> spectral_tv.Estimate:
+        """What it takes with a mesh of so many vertices."""
+        return spectral_tv.estimate(vertices, self.asked.by.package, steps=self.asked.steps)
+
     @classmethod
-    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
-        """Declare what is split off, and how it is filtered."""
-        add_places(parser, "a file with a mesh", "the file", "vtu", is_required=True)
-        add_options(parser, FileSettings)
+    def add_own(cls, parser: argparse.ArgumentParser) -> None:
+        """Declare how bands are filtered."""
         add_gains(parser)
-        add_report(parser)
+        cls.add_frames(parser)
+        add_safe(
+            parser, "where bands are written, the result is one more, and the others are at gain 1"
+        )
+        add_options(parser, FileLimit)
+        parser.add_argument(
+            "--apply",
+            action="store_true",
+            help="write the result as the shape alone: files then have no bands",
+        )
 
-    def complaint(self) -> str | None:
-        """What is wrong with the arguments together; None if nothing is."""
-        choices, asked = self.choices, self.asked
-        reason = complaint_of_places(choices, [("-o", choices.output)])
-        reason = reason or self._complaint_of_targets()
-        if reason is None and 0 < asked.largest <= asked.finest:
+    def own_complaint(self) -> str | None:
+        """What is wrong with the sizes, the bands and the gains."""
+        asked = self.asked
+        if 0 < asked.largest <= asked.finest:
             return "--largest has to be larger than --finest"
-        reason = reason or complaint(choices, FileSettings, asked) or asked.complaint()
-        return reason or complaint_of_gains(choices, asked.band_count)
+        reason = self.complaint_of_frames() or asked.complaint()
+        return reason or complaint_of_gains(self.choices, asked.band_count)
 
-    def _complaint_of_targets(self) -> str | None:
-        targets = [target_of(self.choices, source) for source in self.choices.inputs]
-        for target in targets:
-            kind = FORMATS.get(target.suffix.lower())
-            if kind is None or not kind.writes:
-                hint = "; choose another with --format" if is_folder(self.choices.output) else ""
-                return f"there is no way to write {target.suffix or 'files without suffix'}{hint}"
-        return complaint_of_clashes(self.choices, targets)
-
-    def treat_file(self, source: Path, entry: Entry) -> None:
-        """Split, filter and write a file, and say so in ``entry``."""
-        target = target_of(self.choices, source)
-        ensure_file(source)
-        ensure_writable(target.absolute())
-        found = read(source)
-        entry.read = {"format": source.suffix.lower(), **found.counts}
-        bands = self._bands(found, str(source), FORMATS[target.suffix.lower()].bands)
-        entry.done = {"verb": self.name, "settings": self.told()}
-        write(found, bands, target)
-        entry.output = str(target)
-        say(f"{source}: wrote {target}")
-
-    def _bands(self, found: Read, label: str, holds: Holds) -> Bands:
-        """Split a surface; raises Refusal or spectral_tv.MeshError."""
+    def treat(
+        self, read: Read, source: Path, target: Path | None, _done: dict[str, object]
+    ) -> Result:
+        """Split a surface, and filter it."""
         asked: FileSettings = self.asked
-        values = band_values(self.choices, asked.band_count)
-        if not any(values) and holds is Holds.NOT:
-            note("the filter changes nothing: all gains are 1")
-        mask = _mask(found, asked.vertex_group)
-        mesh = joined(found.vertices, found.triangles, asked.weld, asked.leaves_out)
-        arguments = asked.arguments(mesh, _flat(mesh) if asked.base == "FLAT" else None)
-        with progress(label) as show:
-            split = spectral_tv.decompose(mesh, progress=show, **arguments)
+        choices = self.choices
+        values = band_values(choices, asked.band_count)
+        holds = Holds.NOT if target is None else FORMATS[target.suffix.lower()].bands
+        is_filtered = bool(choices.gains) or choices.curve is not None
+        if not any(values) and (is_filtered or holds is Holds.NOT or choices.apply):
+            note(KEEPS_ALL)
+        mask = read.weights(asked.vertex_group) if asked.vertex_group else None
+        surface = Surface.of(read, asked)
+        with progress(str(source)) as show:
+            split = self.splitting.split(surface.mesh, surface.base(asked), show)
         edges = split.band_edges(asked.band_count) if asked.by.has_bands else [0.0, np.inf]
         cut: Any = (asked.limbs_kept,) if asked.limbs_kept else ()
-        place = mesh.weld_map
-        bands = split.bands(edges, *cut)[:, place]
-        bands[:, place < 0] = 0
-        bands *= mask[:, np.newaxis]
-        made = Bands(bands, values, np.asarray(edges))
-        if any(values):
-            _note_folds(mesh, made.moves)
-        return made
+        bands = np.stack([surface.to_vertices(each) for each in split.bands(edges, *cut)])
+        if mask is not None:
+            bands *= mask[:, np.newaxis]
+        named = {f"band_{number}": band for number, band in enumerate(bands, 1)}
+        named, values = self._looked_at(named, values, surface, str(source))
+        return self._result(read, self._held(named, values), values, np.asarray(edges))
+
+    def _looked_at(
+        self, bands: dict[str, Numbers], values: list[float], surface: Surface, label: str
+    ) -> tuple[dict[str, Numbers], list[float]]:
+        """Count what bands fold at their values, and clamp them if that is asked for."""
+        counts = _counts(surface, _moves(bands, values))
+        is_added = any(value > 0 for value in values)
+        if not counts or not (self.choices.safe and is_added):
+            if counts:
+                note(f"at these gains {counts.told()}{advice_of(is_added)}")
+            return bands, values
+        taken = _moves(bands, np.minimum(values, 0))
+        added = _moves(bands, np.maximum(values, 0))
+        mesh = surface.mesh
+        less, more = surface.merge(taken), surface.merge(added)
+        left = spectral_tv.Mesh(mesh.vertices + less, mesh.triangles)
+        with progress(f"{label}, clamping") as show:
+            clamped = start_clamping(left, less, more, STRETCH).result(show)
+        safe = taken + surface.to_vertices(clamped.shares)[:, np.newaxis] * added
+        after = _counts(surface, safe)
+        done = clamped.told(counts, after, repr(SAFE), takes=bool(taken.any()))
+        note(f"{done}; the bands are at gain 1, and {SAFE} is shown")
+        return bands | {SAFE: safe}, [0.0] * len(bands) + [1.0]
+
+    def _held(self, bands: dict[str, Numbers], values: Sequence[float]) -> dict[str, Numbers]:
+        """The bands, held within the limit at their values."""
+        limit = read(self.choices, FileLimit).limit
+        if limit <= 0:
+            return bands
+        away = np.linalg.norm(_moves(bands, values), axis=1)
+        is_far = away > limit
+        shares = np.ones(len(away))
+        shares[is_far] = limit / away[is_far]
+        held = Limited(limit, int(is_far.sum()), len(away), float(away.max(initial=0.0)), ())
+        note(held.told(lambda length: f"{length:.4g}"))
+        return {name: shares[:, np.newaxis] * each for name, each in bands.items()}
+
+    def _result(
+        self, read: Read, bands: dict[str, Numbers], values: Sequence[float], edges: Numbers
+    ) -> Result:
+        filtered = read.vertices + _moves(bands, values)
+        if self.choices.apply:
+            return Result(bands, values, arrays={"filtered": filtered})
+        arrays = {
+            "bands": np.stack([each for name, each in bands.items() if name != SAFE]),
+            "values": np.asarray(values),
+            "edges": edges,
+            "filtered": filtered,
+        }
+        if SAFE in bands:
+            arrays[SAFE] = bands[SAFE]
+        return Result(bands, values, "the bands", arrays=arrays)
 
 
-def _mask(found: Read, name: str) -> Numbers:
-    """How much of the bands reaches every vertex, (V,)."""
-    if not name:
-        return np.ones(len(found.vertices))
-    if name not in found.values:
-        there = ", ".join(found.values) or "none"
-        raise Refusal(f"there are no numbers {name!r} at its vertices; there are: {there}")
-    return np.clip(found.values[name], 0, 1)
+def _moves(bands: dict[str, Numbers], values: Sequence[float] | Numbers) -> Numbers:
+    """What bands do at their values, (V, 3)."""
+    return np.tensordot(np.asarray(values, float), np.stack(list(bands.values())), 1)
 
 
-def _flat(mesh: spectral_tv.Mesh) -> Numbers:
-    """A mesh pressed flat along the Z axis, (N, 3)."""
-    vertices = mesh.vertices
-    vertices[:, 2] = vertices[:, 2].min()
-    return vertices
-
-
-def _note_folds(mesh: spectral_tv.Mesh, moves: Numbers) -> None:
-    """Note how many faces fold and stretch where vertices (V, 3) are moved so."""
-    place = mesh.weld_map
-    displacement = np.zeros((len(mesh.vertex_areas), 3))
-    displacement[place[place >= 0]] = moves[place >= 0]
-    found = spectral_tv.folds(mesh, displacement)
-    counts = Counts(len(found.flipped), len(found.stretched))
-    if counts:
-        note(f"at these gains {counts.told()}")
+def _counts(surface: Surface, moves: Numbers) -> Counts:
+    """How many faces fold and stretch where the file's vertices (V, 3) are moved so."""
+    found = spectral_tv.folds(surface.mesh, surface.merge(moves))
+    return Counts(len(found.flipped), len(found.stretched))

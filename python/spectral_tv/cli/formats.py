@@ -17,20 +17,26 @@ class Holds(Enum):
 
 @dataclass(frozen=True)
 class Format:
-    """Who reads it and who writes it, "" where nobody does; how it holds bands; and what else of a
-    surface it keeps."""
+    """Who reads it and who writes it, "" where nobody does; how it holds bands; what else of a
+    surface it keeps; and about how many bytes a vertex and its two triangles take at least."""
 
     reads: str
     writes: str
     bands: Holds = Holds.NOT
     keeps: tuple[str, ...] = ()
+    vertex: int = 36
+
+    @property
+    def has_numbers(self) -> bool:
+        """Whether it holds numbers at the vertices."""
+        return self.bands in (Holds.VECTORS, Holds.NUMBERS, Holds.ARRAYS)
 
 
 # What a surface has beside its shape.
 COLORS, TEXTURES = "vertex colors", "textures"
 TRIMESH, MESHIO, OWN = "trimesh", "meshio", "this package"
 FORMATS: Mapping[str, Format] = {
-    ".3mf": Format(TRIMESH, TRIMESH),
+    ".3mf": Format(TRIMESH, TRIMESH, vertex=12),
     ".glb": Format(TRIMESH, TRIMESH, Holds.MORPHS, (COLORS, TEXTURES)),
     ".gltf": Format(TRIMESH, ""),
     ".inp": Format(MESHIO, MESHIO),
@@ -46,13 +52,30 @@ FORMATS: Mapping[str, Format] = {
 }
 
 
+def readable() -> list[str]:
+    """The suffixes of what is read."""
+    return [suffix for suffix, each in FORMATS.items() if each.reads]
+
+
+def writable() -> list[str]:
+    """The suffixes of what is written."""
+    return [suffix for suffix, each in FORMATS.items() if each.writes]
+
+
+def with_numbers() -> list[str]:
+    """Those of them that hold numbers at the vertices."""
+    return [suffix for suffix in writable() if FORMATS[suffix].has_numbers]
+
+
+def with_colors() -> list[str]:
+    """Those of them that hold vertex colors."""
+    return [suffix for suffix in writable() if COLORS in FORMATS[suffix].keeps]
+
+
 def told() -> str:
     """Lines for the help."""
-    reads = " ".join(suffix for suffix, each in FORMATS.items() if each.reads)
-    lines = [f"reads:  {reads}", "writes:"]
+    lines = [f"reads:  {' '.join(readable())}", "writes:"]
     for holds in Holds:
-        suffixes = [
-            suffix for suffix, each in FORMATS.items() if each.writes and each.bands is holds
-        ]
+        suffixes = [suffix for suffix in writable() if FORMATS[suffix].bands is holds]
         lines.append(f"  {holds.value}: {' '.join(suffixes)}")
     return "\n".join(lines)

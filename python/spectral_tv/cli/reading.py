@@ -1,6 +1,8 @@
 """Reading surfaces from files, by trimesh or meshio."""
 
+import sys
 from collections.abc import Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,17 +14,20 @@ from numpy.typing import NDArray
 
 import spectral_tv
 from spectral_tv._surfaces import arrays_of
-from spectral_tv.cli.formats import FORMATS, TRIMESH
+from spectral_tv.attributes.flows import ensure_finite
+from spectral_tv.cli.formats import COLORS, FORMATS, TEXTURES, TRIMESH, readable
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
 Numbers = NDArray[np.float64]
+# How names begin that a library has for itself.
+OWN_NAMES = "gmsh:"
 
 
 @dataclass(frozen=True)
 class Read:
-    """What a file holds: vertices (V, 3), triangles (F, 3), numbers at the vertices by name, and
-    the object of the library, for writing. ``counts`` tells of it.
+    """What a file holds: vertices (V, 3), triangles (F, 3), numbers at the vertices by name, (V,)
+    or (V, C), and the object of the library, for writing. ``counts`` tells of it.
     """
 
     vertices: Numbers
@@ -30,6 +35,38 @@ class Read:
     surface: Any
     values: Mapping[str, Numbers] = field(default_factory=dict)
     parts: int = 1
+
+    @property
+    def looks(self) -> list[str]:
+        """What it has beside its shape."""
+        kind = getattr(getattr(self.surface, "visual", None), "kind", None)
+        known = {"vertex": [COLORS], "face": ["face colors"], "texture": [TEXTURES]}
+        return known.get(kind or "", [])
+
+    @property
+    def colors(self) -> NDArray[np.uint8] | None:
+        """The colors of its vertices, red, green, blue and alpha (V, 4), if it has some."""
+        if COLORS not in self.looks:
+            return None
+        return np.asarray(self.surface.visual.vertex_colors, np.uint8)
+
+    def numbers(self, name: str) -> Numbers:
+        """Its numbers of this name, (V,) or (V, C); raises Refusal if there are none."""
+        if name not in self.values:
+            there = ", ".join(self.values) or "none"
+            raise Refusal(f"there are no numbers {name!r} at its vertices; there are: {there}")
+        return self.values[name]
+
+    def weights(self, name: str) -> Numbers:
+        """The same as weights from 0 to 1, (V,); notes those that are not, and are cut off."""
+        found = self.numbers(name)
+        if found.ndim != 1:
+            raise Refusal(f"{name!r} has {found.shape[1]} numbers at each vertex; weights are one")
+        ensure_finite(name, found[:, np.newaxis])
+        beyond = int(((found < 0) | (found > 1)).sum())
+        if beyond:
+            note(f"{beyond} numbers {name!r} are cut off at 0 and 1")
+        return np.clip(found, 0, 1)
 
     @property
     def counts(self) -> dict[str, Any]:
@@ -43,10 +80,11 @@ def read(path: Path) -> Read:
     """Read a file; raises Refusal if that cannot be done."""
     kind = FORMATS.get(path.suffix.lower())
     if kind is None or not kind.reads:
-        known = " ".join(suffix for suffix, each in FORMATS.items() if each.reads)
+        known = " ".join(readable())
         raise Refusal(f"files {path.suffix or 'without suffix'} are not read; {known} are")
     try:
-        found = _by_trimesh(path) if kind.reads == TRIMESH else _by_meshio(path)
+        with redirect_stdout(sys.stderr):  # readers print empty lines
+            found = _by_trimesh(path) if kind.reads == TRIMESH else _by_meshio(path)
     except (Refusal, spectral_tv.MeshError, MemoryError):
         raise
     except ModuleNotFoundError as error:
@@ -95,6 +133,8 @@ def _by_meshio(path: Path) -> Read:
     values = {
         name: np.asarray(each, float)
         for name, each in surface.point_data.items()
-        if len(each) == len(vertices) and np.asarray(each).ndim == 1
+        if not name.startswith(OWN_NAMES)
+        and len(each) == len(vertices)
+        and np.asarray(each).ndim in (1, 2)
     }
     return Read(np.asarray(vertices, float), triangles, surface, values)

@@ -15,7 +15,10 @@ def reason(error: Exception) -> str:
     if any(line.startswith("Traceback") or "Python: Traceback" in line for line in told):
         told = [PYTHONS.sub("", told[-1])]
     text = "; ".join(line.removeprefix("Error: ") for line in told)
-    return TEMPORARY.sub("", text) or type(error).__name__
+    text = TEMPORARY.sub("", text)
+    if isinstance(error, MemoryError) and "memory" not in text.lower():
+        return f"memory ran out: {text}".removesuffix(": ")
+    return text or type(error).__name__
 
 
 # What the sidebar calls Join Within.
@@ -24,4 +27,5 @@ JOIN = re.compile(r"set Join Within to (\S+) %")
 
 def in_options(text: str) -> str:
     """A message with the option of the command line instead of the property in the sidebar."""
-    return JOIN.sub(r"pass --weld \1", text).replace("raise Join Within", "raise --weld")
+    found = JOIN.sub(r"pass --weld \1", text).replace("raise Join Within", "raise --weld")
+    return found.replace("Elements: Edges", "--elements edges")

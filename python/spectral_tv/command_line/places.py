@@ -12,11 +12,26 @@ EXIT_CODES = "exit codes: 0 if everything succeeded, 1 if an input failed, 2 for
 
 
 def add_places(
-    parser: argparse.ArgumentParser, read: str, written: str, suffix: str, *, is_required: bool
+    parser: argparse.ArgumentParser,
+    read: str,
+    written: str,
+    suffix: str,
+    *,
+    is_required: bool,
+    default: str = "as the input",
 ) -> None:
-    """Declare what is read and where the result goes, in words, with a suffix as an example."""
+    """Declare what is read and where the result goes, in words, with a suffix as an example.
+
+    ``default`` is the format if none is given, in words.
+    """
     add = parser.add_argument
-    add("inputs", metavar="INPUT", nargs="+", type=path, help=read)
+    add(
+        "inputs",
+        metavar="INPUT",
+        nargs="*",
+        type=path,
+        help=f"{read}, a folder of such files, or a pattern such as 'scans/*'",
+    )
     add(
         "-o",
         "--output",
@@ -28,7 +43,7 @@ def add_places(
         "--format",
         metavar="SUFFIX",
         type=lambda text: "." + text.lower().lstrip("."),
-        help=f"what to write into the folder, such as {suffix}; as the input if not given",
+        help=f"what to write into the folder, such as {suffix}; {default} if not given",
     )
 
 
@@ -63,7 +78,13 @@ def target_of(choices: argparse.Namespace, source: Path) -> Path:
     output: Path = choices.output
     if not is_folder(output):
         return output
-    return output / f"{source.stem}{choices.format or source.suffix}"
+    return beneath(choices, output, source) / f"{source.stem}{choices.format or source.suffix}"
+
+
+def beneath(choices: argparse.Namespace, folder: Path, source: Path) -> Path:
+    """Where in a folder the result of an input goes: as deep as it was in the folder named."""
+    deeper: Path = choices.beneath.get(source, Path())
+    return folder / deeper
 
 
 def complaint_of_clashes(

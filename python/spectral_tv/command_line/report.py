@@ -10,27 +10,48 @@ from typing import Any
 
 from spectral_tv.files.whole import NotWritten, alone
 
-DONE, FAILED = "done", "failed"
+DONE, SKIPPED, FAILED = "done", "skipped", "failed"
+INTERRUPTED = "interrupted"
 
 
 @dataclass
 class Entry:
     """What became of an input.
 
+    ``digest`` is the SHA-256 of the file, ``memory`` the most that the process had, in bytes.
     ``read`` and ``done`` say what was in it and what was done to it; ``warnings`` what the user was
-    told besides: what was lost, guessed, skipped or changed.
+    told besides: what was lost, guessed, skipped or changed. ``messages`` are lines for the user
+    that have not been told yet.
     """
 
     input: str
+    digest: str | None = None
     output: str | list[str] | None = None
     picture: str | None = None
     status: str = FAILED
     error: str | None = None
     seconds: float = 0.0
+    memory: int | None = None
     read: dict[str, Any] | None = None
     done: dict[str, Any] | None = None
     warnings: list[str] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
     is_recorded: bool = False
+
+    @property
+    def is_good(self) -> bool:
+        """Whether its output is there."""
+        return self.status in (DONE, SKIPPED)
+
+    def fail(self, reason: str) -> None:
+        """Say why there is no result."""
+        self.status, self.error = FAILED, reason
+        label = "" if reason == INTERRUPTED else "error: "
+        self.messages.append(f"{self.input}: {label}{reason}")
+
+    def recorded(self) -> dict[str, Any]:
+        """What a report has of it."""
+        return {name: getattr(self, name) for name in FIELDS}
 
 
 class Report:
@@ -46,8 +67,7 @@ class Report:
         """Add a line; raises NotWritten, and adds nothing then."""
         if self._path is None or entry.is_recorded:
             return
-        content = {name: getattr(entry, name) for name in FIELDS}
-        line = json.dumps(content, default=str, allow_nan=False).encode() + b"\n"
+        line = json.dumps(entry.recorded(), default=str, allow_nan=False).encode() + b"\n"
         try:
             with alone(self._path), self._path.open("a+b", buffering=0) as file:
                 self._add(file, line, entry)
@@ -72,4 +92,4 @@ class Report:
             raise
 
 
-FIELDS = [item.name for item in fields(Entry) if item.name != "is_recorded"]
+FIELDS = [item.name for item in fields(Entry) if item.name not in ("messages", "is_recorded")]

@@ -2,12 +2,11 @@
 
 import os
 import unicodedata
-import uuid
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from spectral_tv.files.whole import PREFIX
+from spectral_tv.files.whole import new_name
 
 # A name that is another one where small letters and accents by themselves count.
 SMALL, LARGE = "a\u0308", "\u00c4"
@@ -18,7 +17,7 @@ def takes_alike(folder: Path) -> bool:
 
     A folder that cannot be written tells nothing, and is taken for one that does not.
     """
-    token = f"{PREFIX}{uuid.uuid4().hex[:12]}"
+    token = new_name()
     probe = folder / (token + SMALL)
     try:
         probe.touch()

@@ -22,8 +22,10 @@ def is_text(path: Path) -> bool:
 def triangles(path: Path) -> NDArray[np.void]:
     """The triangles of a binary file as it stores them, as many as are there."""
     with path.open("rb") as file:
-        count = int.from_bytes(file.read(HEAD)[-4:], "little")
-    return np.fromfile(path, TRIANGLE, count, offset=HEAD)
+        told = int.from_bytes(file.read(HEAD)[-4:], "little")
+    # The file may be cut short, and the array would be as large as it says.
+    there = max(0, path.stat().st_size - HEAD) // TRIANGLE.itemsize
+    return np.fromfile(path, TRIANGLE, min(told, there), offset=HEAD)
 
 
 def points(path: Path) -> NDArray[np.float64]:

@@ -20,6 +20,9 @@ except ImportError:  # Windows has none
     fcntl = None  # type: ignore[assignment]
 
 PREFIX = ".spectral_tv_"
+# What names that nobody else has begin with, after PREFIX; "" for nothing in common.
+tag = ""
+TAG = 6
 # A file that was cut short, with less than this left on its disk, was so for lack of room; bytes.
 FULL = 65536
 
@@ -48,7 +51,7 @@ def written(
     Raises NotWritten.
     """
     place, former = _place(target)
-    token = PREFIX + uuid.uuid4().hex[:12]
+    token = new_name()
     folder = place.parent / token
     temporary = folder / place.name if with_others else place.parent / (token + place.suffix)
     try:
@@ -81,10 +84,33 @@ def written(
         raise NotWritten(target, _reason(error)) from error
 
 
+# What tells a file from another that takes its place; None where there is none.
+Identity = tuple[int, int] | None
+
+
+def identity(path: Path) -> Identity:
+    """The identity of the file at ``path``, as of now."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns
+
+
+def new_name() -> str:
+    """A name that nobody else has, for a while."""
+    return PREFIX + (tag + uuid.uuid4().hex)[:12]
+
+
+def remove_tagged(folder: Path, tag: str) -> None:
+    """Remove what a process left behind that was ended; its names had this tag."""
+    _remove(folder, PREFIX + tag)
+
+
 def ensure_writable(target: Path) -> None:
     """Raise NotWritten if ``target`` cannot be written, before the work that makes it."""
     place, _ = _place(target)
-    probe = place.parent / f"{PREFIX}{uuid.uuid4().hex[:12]}"
+    probe = place.parent / new_name()
     try:
         probe.touch()
     except OSError as error:

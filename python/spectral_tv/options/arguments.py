@@ -20,7 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser, kind: type, *, of_object: boo
         if option.argument == "":
             continue
         given: dict[str, Any] = {"dest": _dest(name, option), **_type(option)}
-        if option.kind == "switch":
+        if option.kind == "switch" and option.default:
+            given |= {"action": argparse.BooleanOptionalAction, "default": True}
+        elif option.kind == "switch":
             given["action"] = "store_true"
         else:
             has_none = of_object or option.refused or option.is_own(option.default)
@@ -37,8 +39,9 @@ def _help(kind: type, option: Option, whose: str) -> str:
     if option.kind == "share" and option.metavar:
         told += f"; a fraction, such as {option.default / 100:g}"
     for condition in option.applies:
-        is_argument = options_of(kind)[condition.option].argument != ""
-        if is_argument and len(condition.values) <= FEW:
+        other = options_of(kind)[condition.option]
+        is_usual = other.kind == "switch" and other.default in condition.values
+        if other.argument != "" and len(condition.values) <= FEW and not is_usual:
             told += f"; with {_condition(kind, condition)}"
     if option.kind in ("integer", "number", "choice"):
         usual = "what suits the method" if option.is_own(option.default) else _written(option)
@@ -48,7 +51,9 @@ def _help(kind: type, option: Option, whose: str) -> str:
 
 def names_of(kind: type) -> set[str]:
     """What the arguments of a dataclass are kept as."""
-    return {_dest(name, option) for name, option in options_of(kind).items()}
+    return {
+        _dest(name, option) for name, option in options_of(kind).items() if option.argument != ""
+    }
 
 
 def read(choices: argparse.Namespace, kind: type) -> Any:
@@ -133,7 +138,7 @@ def _type(option: Option) -> dict[str, Any]:
     if option.kind == "number" and option.unit == "PIXEL":
         return {"type": positive, "metavar": "PIXELS"}
     if option.kind == "number" and option.unit == "PERCENTAGE":
-        return {"type": lambda text: percent(text, 0), "metavar": "PERCENT"}
+        return {"type": lambda text: percent(text, option.least or 0), "metavar": "PERCENT"}
     if option.kind == "number":
         ends = [end if each is None else each for each, end in zip(option.range, FAR, strict=True)]
         return {"type": lambda text: number(text, *ends), "metavar": "X"}
@@ -179,6 +184,8 @@ def _told(kind: type, names: list[str], condition: Only, settings: Any) -> str:
 
 def _condition(kind: type, condition: Only) -> str:
     """The argument that a condition is about, and the values that it wants."""
+    if options_of(kind)[condition.option].kind == "switch":
+        return _flag(condition.option, options_of(kind)[condition.option])
     values = " or ".join(value.lower() for value in condition.values)
     return f"{_flag(condition.option, options_of(kind)[condition.option])} {values}"
 

@@ -18,9 +18,10 @@ RELATIVE = ". Relative to the object's size"
 class Only:
     """A condition: another option has one of these values."""
 
-    def __init__(self, option: str, values: Iterable[str], *, otherwise: str = "") -> None:
+    def __init__(self, option: str, values: Iterable[Any], *, otherwise: str = "") -> None:
         """``otherwise`` says of another value why the option is of no use there."""
-        self.option, self.values, self.otherwise = option, tuple(values), otherwise
+        self.option, self.otherwise = option, otherwise
+        self.values: tuple[Any, ...] = tuple(values)
 
     def holds(self, settings: Any) -> bool:
         """Whether it is so."""

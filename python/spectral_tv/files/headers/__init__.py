@@ -22,7 +22,7 @@ STARTS = {
 def read_header(path: Path) -> Header | None:
     """Read the header of a picture; None of a format that is not known here.
 
-    Raises Torn if the file is cut short, Unreadable if Blender would misread it, and OSError.
+    Raises Torn if the file is cut short, Unreadable if it would be misread, and OSError.
     """
     data = path.read_bytes()
     if not data:

@@ -6,7 +6,7 @@ AS_RGB = "its CMYK colors are read as red, green and blue"
 
 
 class Unreadable(Exception):
-    """Blender would misread a file; the message says why."""
+    """A file would be misread; the message says why."""
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ def read(data: bytes) -> Header:
     kind = int(page.numbers(FORMAT, UNSIGNED)[0])
     photometric = page.numbers(PHOTOMETRIC, 1)[0]
     if bits < 8:
-        raise Unreadable(f"its values have {bits} bits, which Blender misreads; give them 8")
+        raise Unreadable(f"its values have {bits} bits, which is misread; give them 8")
     _require_values(kind, bits)
     page.require_pixels()
     colors = 1 if photometric <= 1 else 4 if photometric == CMYK else 3
@@ -146,7 +146,7 @@ def _require_values(kind: int, bits: int) -> None:
     if kind == SIGNED or (kind == UNSIGNED and bits > MOST_BITS):
         sign = "signed " if kind == SIGNED else ""
         raise Unreadable(
-            f"its values are {sign}integers of {bits} bits, which Blender misreads; save it with "
+            f"its values are {sign}integers of {bits} bits, which is misread; save it with "
             "floats of 32 bits, or positive integers of 16"
         )
 

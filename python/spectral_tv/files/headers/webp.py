@@ -15,7 +15,7 @@ def read(data: bytes) -> Header:
     parts = dict(_chunks(data))
     flags = parts[b"VP8X"][0] if b"VP8X" in parts else 0
     if flags & ANIMATED:
-        raise Unreadable("it is animated, which Blender does not read")
+        raise Unreadable("it is animated, which is not read")
     if b"VP8L" in parts:
         (bits,) = struct.unpack_from("<I", parts[b"VP8L"], 1)
         has_alpha = bool(bits >> 28 & 1)

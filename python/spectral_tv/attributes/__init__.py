@@ -1,0 +1,1 @@
+"""Functions on a mesh: what is flowed, and how accurate bands are."""

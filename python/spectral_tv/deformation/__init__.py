@@ -1,0 +1,1 @@
+"""Moving parts of a mesh: the options, the parts, and what solves for the rest."""

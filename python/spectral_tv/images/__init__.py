@@ -1,0 +1,1 @@
+"""Pictures: what of them flows, and what formats hold of the result."""

@@ -1,0 +1,1 @@
+"""Jobs of the package, several polled like one."""
