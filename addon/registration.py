@@ -2,10 +2,11 @@
 
 A feature's ``__init__.py`` names in FILES, in order, the files that have classes of Blender. A
 property group with an ``owner``, a type of Blender's and a name, becomes a property of that type.
-VERBS are the feature's verbs of the command line. START has functions that are called when the
-extension is enabled. LOADED has functions that are called then too, and when Blender has loaded,
-linked or appended from a file. FORGET has functions that are called when Blender loads a file and
-when the extension is disabled. WITHDRAW has functions for the latter alone.
+VERBS has the names of the feature's verbs of the command line, classes of its file ``verb``, which
+is read when a command line runs: windows start without. START has functions that are called when
+the extension is enabled. LOADED has functions that are called then too, and when Blender has
+loaded, linked or appended from a file. FORGET has functions that are called when Blender loads a
+file and when the extension is disabled. WITHDRAW has functions for the latter alone.
 """
 
 from collections.abc import Iterator
@@ -25,6 +26,7 @@ from . import (
     drawing,
     images,
     job,
+    maps,
     recipes,
     scene,
     segmentation,
@@ -33,9 +35,16 @@ from .drawing import preferences
 
 # What others build on comes first, and of the panels those of the recipes.
 _PARTS: tuple[ModuleType, ...] = (
-    scene, drawing, job, recipes, bands, deviation, deformation, segmentation, attributes, images
+    scene, drawing, job, recipes, bands, deviation, maps, deformation, segmentation, attributes,
+    images
 )  # fmt: skip
 _KINDS = Operator | Panel | Menu | PropertyGroup | UIList | AddonPreferences
+
+
+def _verbs() -> list[command_line.Named]:
+    return [
+        (f"{part.__name__}.verb", name) for part in _PARTS for name in getattr(part, "VERBS", ())
+    ]
 
 
 def _all(name: str) -> list:
@@ -99,7 +108,7 @@ def register() -> None:
         handlers.append(_loaded)
     if hasattr(bpy.data, "objects"):  # not yet while Blender starts
         _loaded()
-    command_line.register(_all("VERBS"))
+    command_line.register(_verbs())
     preferences.RENAMED.append(_move_panels)
     for start in _all("START"):
         start()

@@ -3,6 +3,7 @@
 from itertools import chain
 
 import bpy
+from spectral_tv.attributes.accuracy import needs, summary
 from spectral_tv.bands.methods import METHODS
 
 from ..bands.bands import settings_as_taken
@@ -10,7 +11,6 @@ from ..bands.bands_panel import BandsPanel
 from ..drawing.preferences import shows_research
 from ..drawing.work import WorkPanel, draw_button, draw_needs
 from ..scene.records import record_of
-from . import accuracy
 from .measure_accuracy import SPECTRAL_TV_OT_measure_accuracy
 
 
@@ -33,7 +33,7 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
         settings = settings_as_taken(record_of(obj))
         count = len(obj.data.vertices)
         layout.label(text=f"{settings.steps} steps, a half and a quarter of them", icon="BLANK1")
-        draw_needs(layout, context, accuracy.needs(settings.method, count, settings.steps))
+        draw_needs(layout, context, needs(settings.method, count, settings.steps))
         button = draw_button(
             layout, SPECTRAL_TV_OT_measure_accuracy, "DRIVER_DISTANCE", is_tall=False
         )
@@ -42,6 +42,6 @@ class SPECTRAL_TV_PT_accuracy(BandsPanel, WorkPanel, bpy.types.Panel):
         if text is None:
             return
         grid = layout.grid_flow(columns=3, row_major=True, align=True, even_columns=True)
-        for cell in chain.from_iterable(accuracy.summary(text.as_string())):
+        for cell in chain.from_iterable(summary(text.as_string())):
             grid.label(text=cell)
         layout.label(text=text.name, icon="TEXT")

@@ -6,13 +6,14 @@ import bpy
 import numpy as np
 import spectral_tv
 from bpy.props import StringProperty
+from spectral_tv.attributes.settings import chosen_elements
 
 from ..job.operator import JobOperator
 from ..options.properties import choices_of
 from ..scene import mix
 from ..scene.surface import Surface
 from .outputs import write
-from .settings import EigensetSettings, chosen_elements
+from .settings import EigensetSettings
 from .sources import Source, read
 
 SUPERSET = "Superset"

@@ -1,11 +1,12 @@
 """The operator that measures how accurate the bands are for the number of steps."""
 
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
 import bpy
 import spectral_tv
 from bpy.props import BoolProperty, EnumProperty
+from spectral_tv.attributes.accuracy import ERRORS, arguments, measured, told
 from spectral_tv.bands.methods import METHODS
 from spectral_tv.refusal import Refusal
 
@@ -18,7 +19,7 @@ from ..scene.surface import Surface
 from . import accuracy
 
 # A surface, and the arguments of spectral_tv.accuracy.
-Prepared = tuple[Surface, dict[str, Any]]
+Prepared = tuple[Surface, Mapping[str, Any]]
 
 
 class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.types.Operator):
@@ -31,7 +32,7 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
 
     shown: EnumProperty(
         name="Color", description="Which error is shown in color",
-        items=[(short, label, "") for label, _, short in accuracy.ERRORS], default="BANDS"
+        items=[(short, label, "") for label, _, short in ERRORS], default="BANDS"
     )  # fmt: skip
 
     of_bands: BoolProperty(
@@ -47,24 +48,10 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
                 raise Refusal("it has no bands; decompose it first")
             self.fill(settings_as_taken(record))
             self.of_bands = False  # what is adjusted afterwards counts
-        # All steps are measured, and nothing is limited.
-        settings = replace(self.settings(), accuracy=0.0, vertex_group="")
-        if not settings.by.takes_steps:
-            raise Refusal("this method takes no time steps, so there is nothing to measure")
-        if settings.complaint() is not None:
-            raise Refusal(settings.complaint())
+        settings = measured(self.settings())
         surface = read_surfaces([obj], settings, without_bands=True)[0]
         base = base_shape([obj], settings, [surface])
-        arguments = settings.arguments(surface.mesh, base)
-        del arguments["times"]
-        steps = {max(settings.steps // part, 2) for part in (1, 2, 4)}
-        return surface, {
-            **arguments,
-            "steps": sorted(steps),
-            "bands": settings.bands,
-            "scales": settings.scales(surface.mesh),
-            "keep_limbs": settings.limbs_kept,
-        }
+        return surface, arguments(settings, surface.mesh, base)
 
     def start(self, prepared: Prepared) -> spectral_tv.Job:
         surface, arguments = prepared
@@ -73,12 +60,8 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
     def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Accuracy) -> str:
         surface, _ = prepared
         names = accuracy.write(obj, METHODS[self.method].label, surface, result, self.shown)
-        rows = accuracy.summary(obj.data.spectral_tv.accuracy.as_string())[1:]
-        parts = [
-            f"{steps} steps: bands {bands}, paper's all-pass {paper}"
-            for steps, bands, paper in rows
-        ]
-        return f"{'; '.join(parts)}; shown as {names[-1]!r}, measured"
+        done = told(obj.data.spectral_tv.accuracy.as_string())
+        return f"{done}; shown as {names[-1]!r}, measured"
 
     columns = ("method",)
 

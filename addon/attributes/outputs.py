@@ -2,12 +2,12 @@
 
 import bpy
 import numpy as np
+from spectral_tv.attributes.flows import BAND, REST
 
 from ..scene import results
 from ..scene.results import Piece
 from .sources import Source
 
-BAND, REST = "Band", "Rest"
 SCALARS = {1: "FLOAT", 2: "FLOAT2", 3: "FLOAT_VECTOR"}
 
 

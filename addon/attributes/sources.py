@@ -4,21 +4,18 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.attributes.flows import ensure_finite
+from spectral_tv.attributes.settings import KINDS
+from spectral_tv.means import means
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
-from ..scene.arrays import corner_vertices, means, numbers
+from ..scene.arrays import corner_vertices, numbers
 from ..scene.contents import TYPES, attribute_values
 from ..scene.fingerprints import names as names_of
 from ..scene.mix import key_displacement, keys_of
 from ..scene.weights import group_named, weights_of
 
-KINDS = (
-    ("ATTRIBUTE", "Attribute", "An attribute of the mesh", "SPREADSHEET", 0),
-    ("COLOR", "Color Attribute", "A color attribute of the mesh", "COLOR", 1),
-    ("GROUP", "Vertex Group", "The weights of a vertex group", "GROUP_VERTEX", 2),
-    ("KEY", "Shape Key", "How far a shape key moves the vertices", "SHAPEKEY_DATA", 3),
-)
 COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
 
 
@@ -68,9 +65,7 @@ def read(obj: bpy.types.Object, kind: str, name: str) -> Source:
         values = _attribute(obj.data, name, kind)
         if values.shape[1] == 4:
             values, alpha = values[:, :3], values[:, 3]
-    broken = np.flatnonzero(~np.isfinite(values).all(axis=1))
-    if len(broken):
-        raise Refusal(f"{name!r} is not a finite number at vertex {broken[0]}", broken)
+    ensure_finite(name, values)
     return Source("ATTRIBUTE" if kind == "COLOR" else kind, name, values, alpha)
 
 

@@ -1,19 +1,24 @@
-"""Bands of detail: split off, filtered, exaggerated, kept as shape keys."""
+"""Bands of detail: split off, filtered, exaggerated, kept as shape keys or attributes."""
 
 from ..drawing import sizes
 from . import (
     apply_look,
     apply_modifier,
     at_once,
+    attribute_names,
+    bake_filter,
     bake_safe,
     bands,
     bands_panel,
     blur_mask,
     caricature,
+    carry_along,
+    convert,
     count,
     curve_watch,
     decompose,
     decompose_panel,
+    frames_panel,
     limbs,
     list_operators,
     list_panel,
@@ -24,6 +29,7 @@ from . import (
     paint_mask,
     pick_size,
     properties,
+    refit_armature,
     remarks,
     sculpt_undo,
     set_bands,
@@ -32,9 +38,9 @@ from . import (
     spectrum,
     take_bands,
     take_settings,
-    verb,
     work_object,
     write_back,
+    write_heights,
 )
 
 FILES = (
@@ -47,10 +53,15 @@ FILES = (
     count,
     sliders,
     take_bands,
+    carry_along,
+    refit_armature,
     show_original,
     apply_look,
     apply_modifier,
     bake_safe,
+    bake_filter,
+    convert,
+    write_heights,
     live_guard,
     mask_operators,
     paint_mask,
@@ -63,11 +74,12 @@ FILES = (
     decompose_panel,
     multires_panel,
     bands_panel,
+    frames_panel,
     caricature,
 )
-VERBS = (verb.Decompose,)
-START = LOADED = (sculpt_undo.start, curve_watch.start, at_once.start)
-WITHDRAW = (sculpt_undo.stop, curve_watch.stop, at_once.stop)
+VERBS = ("Decompose",)
+START = LOADED = (sculpt_undo.start, curve_watch.start, attribute_names.start, at_once.start)
+WITHDRAW = (sculpt_undo.stop, curve_watch.stop, attribute_names.stop, at_once.stop)
 FORGET = (
     at_once.forget,
     curve_watch.forget,

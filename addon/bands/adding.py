@@ -16,9 +16,9 @@ from spectral_tv.notes import about, listed, note
 from ..scene import masks
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.fingerprints import Likeness
-from ..scene.keeping import PLACES, USUAL, Band
+from ..scene.keeping import PLACES, Band
 from ..scene.names import free_name, taken_names
-from ..scene.naming import band_names, free_stem, rename_key
+from ..scene.naming import band_names, free_stem
 from ..scene.places import world_scale
 from ..scene.records import (
     add_record,
@@ -31,7 +31,9 @@ from ..scene.records import (
 )
 from ..scene.surface import Surface
 from ..scene.whole import whole
+from . import heights
 from .bands import Flow, displacements, flow_of, keep_flow, settings_of, source_of
+from .converting import convert
 from .overlap import Overlap, overlap_of_flows
 from .recut import Former, Recut
 from .replacing import replaced
@@ -102,7 +104,7 @@ class _Pending:
             former, stem = None, free_stem(part.obj, wanted, len(edges) - 1)
         else:
             former, stem = record.name, _stem_after(part.obj, record, settings, len(edges) - 1)
-        keeping = PLACES[USUAL if record is None else record.kept]
+        keeping = PLACES[settings.bands_as if record is None else record.kept]
         found = displacements(flow, edges, settings.limbs_kept)
         new = keeping.add(part.obj, band_names(stem, len(edges) - 1), found)
         return cls(part, settings, flow, edges, former, stem, new, is_part)
@@ -112,6 +114,7 @@ class _Pending:
         obj, settings = self.part.obj, self.settings
         if self.former is None:
             record = add_record(obj)
+            record.kept = settings.bands_as
             record.name = self.stem
             names = given = [band.name for band in self.new]
             for band in self.new:
@@ -121,7 +124,7 @@ class _Pending:
             wanted = band_names(self.stem, len(self.new))
             names, given = _take_place(obj, record, self.new, wanted, self._overlap(record))
             record.recipe = record.recipe if record.method == settings.method else ""
-            settings = self._mask(settings_of(record))
+            settings = replace(self._mask(settings_of(record)), bands_as=record.kept)
             masks.settle(obj, self.new)
         record.method, record.settings = settings.method, settings.text()
         record.solo, record.area = 0, self.part.surface.mesh.area
@@ -130,10 +133,15 @@ class _Pending:
         split = self.part.split
         record.keep_spectrum(split.times[1:-1], split.spectrum)
         record.is_part = self.is_part
-        _record_bands(obj, record, names, given, self.edges)
+        record_bands(obj, record, names, given, self.edges)
         if record.name != self.stem:
+            heights.hand_over(obj, record.name, self.stem)
             record.name = self.stem
         keep_flow(record.identifier, self.flow)
+        if record.kept != self.settings.bands_as:
+            convert(obj, record, self.settings.bands_as)
+            note(f"its bands are {keeping_of(record).label} now")
+        heights.renew(obj, record, self.settings.heights)
 
     def _overlap(self, record: SpectralTVRecord) -> Overlap:
         """That with the former bands, whose sizes are those of the object then."""
@@ -178,8 +186,10 @@ def cut_again(obj: bpy.types.Object, count: int, keep_limbs: float | None = None
     overlap = Overlap.of(former, [*pairwise(edges)], flow.split.times[1:-1])
     names, given = _take_place(obj, record, new, wanted, overlap)
     masks.settle(obj, new)
+    keeping_of(record).mark(obj.data, record.mark)
     record.settings = settings.text()
-    _record_bands(obj, record, names, given, edges)
+    record_bands(obj, record, names, given, edges)
+    heights.renew(obj, record, settings.heights)
     return names
 
 
@@ -222,7 +232,8 @@ def _take_place(
     """Have new bands take the place of those of a record; returns their present names, and the
     names that they were given."""
     end_solo(obj, record)
-    there = keeping_of(record).all(obj.data)
+    keeping = keeping_of(record)
+    there = keeping.all(obj)
     usual = band_names(record.name, len(record.bands))
     old = []
     likes = recognise_bands(obj, record)
@@ -231,8 +242,8 @@ def _take_place(
         key, given = there[name] if name else None, band.given or own
         is_changed = likeness == Likeness.CHANGED
         if is_changed and name == given:  # which a new band gets
-            given = free_name(name, SCULPTED, taken_names(obj, keeping_of(record).written))
-            rename_key(obj.data, key, given)
+            given = free_name(name, SCULPTED, taken_names(obj, keeping.written))
+            keeping.rename(obj, key, given)
         if is_changed:
             as_what = f" as {given!r}" if given != name else ""
             note(f"{name!r} was sculpted since; it stays{as_what}, muted, and is no longer a band")
@@ -240,10 +251,10 @@ def _take_place(
     if all(each.band is None for each in old):
         for band in new:
             band.vertex_group = settings_of(record).vertex_group
-    return Recut(obj, keeping_of(record), old, new, wanted, overlap).take_place()
+    return Recut(obj, keeping, old, new, wanted, overlap).take_place()
 
 
-def _record_bands(
+def record_bands(
     obj: bpy.types.Object,
     record: SpectralTVRecord,
     names: list[str],

@@ -9,13 +9,14 @@ from spectral_tv.refusal import Refusal
 
 from ..scene import masks, mix
 from ..scene.applying import FOLLOWERS
-from ..scene.keeping import Band
+from ..scene.keeping import PLACES, Band, place_of
 from ..scene.look import become
 from ..scene.objects import take_place
-from ..scene.records import all_bands_of, forget, keeping_of, record_of, records_of
+from ..scene.records import all_bands_of, forget, place_refusal, records_of
+from .carrying import settle
 from .set_bands import BandsOperator, bands_refusal
 
-PLACES = (
+WHERE = (
     ("HERE", "This Object", "The object itself takes the shape"),
     ("COPY", "A New Object", "A copy takes the shape; the object stays, hidden in renders too"),
 )
@@ -30,7 +31,7 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
     changes_keys = True
 
     place: EnumProperty(
-        name="To", description="What takes the shape", items=PLACES, options={"SKIP_SAVE"}
+        name="To", description="What takes the shape", items=WHERE, options={"SKIP_SAVE"}
     )
 
     @classmethod
@@ -64,12 +65,24 @@ def become_look(obj: bpy.types.Object, spent: Sequence[Band]) -> None:
     """
     parts = [part for part in mix.parts(obj) if part.key in spent]
     displacement = mix.Moves().of(obj, parts)
+    _tell_readers(obj, spent)
     forget(obj.data)
     renewals = [follow(obj) for follow in FOLLOWERS]
     become(obj, displacement, spent)
     for renew in renewals:
         renew()
     masks.release(obj)
+
+
+def _tell_readers(obj: bpy.types.Object, spent: Sequence[Band]) -> None:
+    """Have what follows bands by Carry Along stay as it is, and note what else reads them."""
+    settled = settle(obj, spent)
+    if settled:
+        note(f"these stay as the look has them, and follow no longer: {listed(settled)}")
+    for place in PLACES.values():
+        left = place.readers(obj, [band for band in spent if place_of(band) == place])
+        if left:
+            note(f"drivers of {listed(left)} read these bands, and find them no more")
 
 
 def look_refusal(obj: bpy.types.Object | None) -> str | None:
@@ -79,7 +92,7 @@ def look_refusal(obj: bpy.types.Object | None) -> str | None:
         return reason
     if obj.mode != "OBJECT":
         return "Go to Object Mode first"
-    return pinned_refusal(obj)
+    return place_refusal(obj) or pinned_refusal(obj)
 
 
 def pinned_refusal(obj: bpy.types.Object) -> str | None:
@@ -93,7 +106,7 @@ def pinned_refusal(obj: bpy.types.Object) -> str | None:
 def note_unsettled(obj: bpy.types.Object, bands: list[Band], done: str) -> None:
     """Note which bands are animated, and that they are ``done`` all the same; and which are soloed,
     so that others do not count."""
-    moving = [key.name for key in bands if keeping_of(record_of(obj)).animation_of(key, "value")]
+    moving = [key.name for key in bands if place_of(key).animation_of(key, "value")]
     if moving:
         note(f"animated, {done}: {listed(moving)}")
     for record in records_of(obj):

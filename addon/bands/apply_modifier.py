@@ -7,6 +7,7 @@ from spectral_tv.refusal import Refusal
 
 from ..job.operator import Refusing
 from ..scene.applying import FOLLOWERS, apply_modifier, farthest
+from ..scene.attribute_band import has_bands
 from ..scene.coordinates import seen_coordinates
 from ..scene.objects import refusal
 
@@ -33,7 +34,7 @@ class SPECTRAL_TV_OT_apply_modifier(Refusing, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         obj = context.active_object
-        enabled = [each.name for each in obj.modifiers if each.show_viewport]
+        enabled = [each.name for each in appliable(obj) if each.show_viewport]
         before = seen_coordinates(obj)
         renewals = [follow(obj) for follow in FOLLOWERS]
         applied = []
@@ -57,6 +58,11 @@ class SPECTRAL_TV_OT_apply_modifier(Refusing, bpy.types.Operator):
         return self.tell(obj, f"applied {', '.join(map(repr, applied))}", notes)
 
 
+def appliable(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """The modifiers of an object but for those of bands, which Apply Look applies."""
+    return [each for each in obj.modifiers if not has_bands(each)]
+
+
 def apply_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why no modifier can be applied now, in a sentence for the user; None if one can be."""
     reason = refusal(obj)
@@ -66,8 +72,8 @@ def apply_refusal(obj: bpy.types.Object | None) -> str | None:
         return "Go to Object Mode first"
     if obj.data.shape_keys is None:
         return "The mesh has no shape keys; Blender's own Apply does"
-    if not obj.modifiers:
+    if not appliable(obj):
         return "The object has no modifiers"
-    if not any(each.show_viewport for each in obj.modifiers):
+    if not any(each.show_viewport for each in appliable(obj)):
         return "All its modifiers are disabled in the viewport"
     return None

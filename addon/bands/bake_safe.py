@@ -4,14 +4,16 @@ from dataclasses import dataclass
 
 import bpy
 from bpy.props import BoolProperty
+from spectral_tv.bands.clamping import Clamped
+from spectral_tv.bands.guard import GuardSettings
+from spectral_tv.jobs.steps import Steps
 from spectral_tv.refusal import Refusal
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
-from ..job.steps import Steps
 from ..options.properties import choices_of
 from ..scene.objects import distinct_meshes
-from .clamping import Clamped, Clamping, GuardSettings
+from .clamping import Clamping
 from .set_bands import bands_refusal
 
 

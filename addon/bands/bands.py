@@ -9,14 +9,14 @@ import bpy
 import numpy as np
 import spectral_tv
 from spectral_tv.bands.settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
+from spectral_tv.jobs.together import Together
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
-from ..job.together import Together
 from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
 from ..scene.decomposition import SpectralTVRecord
-from ..scene.keeping import Band
+from ..scene.keeping import PLACES, Band, place_of
 from ..scene.objects import user_of
 from ..scene.records import (
     bands_of,
@@ -30,6 +30,7 @@ from ..scene.records import (
 from ..scene.shape_keys import key_shape, make_room
 from ..scene.surface import Surface, flattened, shape_of
 from ..scene.weights import group_named
+from .replacing import replaced
 from .shapes import read_surfaces
 
 
@@ -83,15 +84,30 @@ def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[st
 
 
 def prepare_together(
-    objects: Sequence[bpy.types.Object], settings: Settings
+    objects: Sequence[bpy.types.Object], settings: Settings, area: float | None = None
 ) -> tuple[list[Surface], dict[str, Any]]:
-    """The same of objects that are decomposed as one surface."""
+    """The same of objects that are decomposed as one surface; sizes are relative to its area, or to
+    another one."""
     if settings.complaint() is not None:
         raise Refusal(settings.complaint())
     for obj in objects if settings.vertex_group else ():
         group_named(obj, settings.vertex_group)
+    for obj in objects:
+        reason = place_refusal(obj, settings)
+        if reason is not None:
+            raise Refusal(reason[0].lower() + reason[1:])
     surfaces = read_surfaces(objects, settings)
-    return surfaces, settings.arguments(surfaces[0].mesh, base_shape(objects, settings, surfaces))
+    base = base_shape(objects, settings, surfaces)
+    return surfaces, settings.arguments(surfaces[0].mesh, base, area)
+
+
+def place_refusal(obj: bpy.types.Object, settings: Settings) -> str | None:
+    """Why bands of an object cannot be kept as asked, in a sentence; None if they can."""
+    if settings.shape in ON_NEW_OBJECT:
+        return None
+    record = replaced(obj, settings)
+    former = None if record is None else keeping_of(record).refusal(obj)
+    return former or PLACES[settings.bands_as].refusal(obj)
 
 
 def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposition | None:
@@ -187,22 +203,21 @@ def set_values(
 
 def _note_unseen(obj: bpy.types.Object, bands: list[Band]) -> None:
     """Note what keeps other values of bands from being seen, or from staying."""
-    animation_of = keeping_of(record_of(obj)).animation_of
     for reason, is_so in (
         ("muted", lambda band: band.mute),
         (
             "driven, and do what their drivers say",
-            lambda band: animation_of(band, "value") == "driven",
+            lambda band: place_of(band).animation_of(band, "value") == "driven",
         ),
         (
             "keyframed; Keyframe keeps the new values",
-            lambda band: animation_of(band, "value") == "keyed",
+            lambda band: place_of(band).animation_of(band, "value") == "keyed",
         ),
     ):
         names = [band.name for band in bands if is_so(band)]
         if names:
             note(f"some of these bands are {reason}: {', '.join(names)}")
-    if obj.show_only_shape_key and bands:
+    if obj.show_only_shape_key and any(place_of(band).written == "KEY" for band in bands):
         note("only the active shape key is shown: turn Shape Key Lock off to see the mix")
 
 

@@ -8,9 +8,13 @@ from spectral_tv.bands.gains import PRESETS
 from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
 from ..scene import lengths
+from ..scene.attribute_band import modifiers_of
 from ..scene.decomposition import SpectralTVRecord
+from ..scene.keeping import place_of
+from ..scene.modifiers import ahead_of_bands
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
 from . import (
+    convert,
     count,
     curve_watch,
     filter_curve,
@@ -24,11 +28,14 @@ from . import (
 )
 from . import set_bands as operators
 from .apply_look import SPECTRAL_TV_OT_apply_look
-from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, apply_refusal
+from .apply_modifier import SPECTRAL_TV_OT_apply_modifier, appliable, apply_refusal
 from .bake_safe import SPECTRAL_TV_OT_bake_safe
 from .bands import flows
+from .carry_along import SPECTRAL_TV_OT_carry_along
+from .refit_armature import SPECTRAL_TV_OT_refit_armature
 from .show_original import SPECTRAL_TV_OT_show_original
-from .take_bands import SPECTRAL_TV_OT_take_bands
+from .take_bands import SPECTRAL_TV_OT_take_bands, take_all
+from .write_heights import SPECTRAL_TV_OT_write_heights
 
 
 class BandsPanel(Sidebar):
@@ -62,6 +69,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             text = "Vertices or faces changed since. Decompose the mesh again"
             say(layout, context, text, "ERROR")
             return
+        self._draw_modifiers(layout, context)
         self._draw_spectrum(layout, record)
         is_original = original.is_shown(obj)
         # Above the sliders, so that it stays under the mouse whatever their number is.
@@ -87,9 +95,11 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             if key is None:
                 row.label(text=f"Band {number} was deleted")
                 continue
-            row.prop(key, "value", text=key.name.removeprefix(f"{record.name} "), slider=True)
-            mask_menu.draw(row, obj, key, number)
-            row.prop(key, "mute", text="", icon="HIDE_ON" if key.mute else "HIDE_OFF")
+            place = place_of(key)
+            label = key.name.removeprefix(f"{record.name} ")
+            place.draw(row, key, "value", text=label, slider=True)
+            mask_menu.draw(row, obj, record, number)
+            place.draw(row, key, "mute", text="", icon="HIDE_ON" if key.mute else "HIDE_OFF")
             icon = "SOLO_ON" if number == record.solo else "SOLO_OFF"
             solo = row.operator(operators.SPECTRAL_TV_OT_solo.bl_idname, text="", icon=icon)
             solo.band = number
@@ -102,7 +112,26 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, icon="CHECKMARK").place = "HERE"
         row.operator(SPECTRAL_TV_OT_apply_look.bl_idname, text="", icon="DUPLICATE").place = "COPY"
-        layout.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
+        row = layout.row(align=True)
+        row.operator(operators.SPECTRAL_TV_OT_copy_filter.bl_idname, icon="COPYDOWN")
+        row.operator(SPECTRAL_TV_OT_write_heights.bl_idname, text="", icon="IPO_BACK")
+        convert.draw(row, context)
+        row = layout.row(align=True)
+        row.operator(SPECTRAL_TV_OT_carry_along.bl_idname, icon="LINKED")
+        row.operator(SPECTRAL_TV_OT_refit_armature.bl_idname, icon="ARMATURE_DATA")
+
+    @staticmethod
+    def _draw_modifiers(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+        """Draw what keeps bands that are attributes from being seen as they should."""
+        obj = context.active_object
+        off = [each.name for each in modifiers_of(obj) if not each.show_viewport]
+        if off:
+            text = f"Off in the viewport, with its bands: {', '.join(off)}"
+            say(layout, context, text, "ERROR")
+        ahead = ahead_of_bands(obj)
+        if ahead:
+            text = f"Before the bands, which act at rest no more: {', '.join(ahead)}"
+            say(layout, context, text, "ERROR")
 
     @staticmethod
     def _draw_limbs(
@@ -165,8 +194,10 @@ class SPECTRAL_TV_PT_filters(BandsPanel, bpy.types.Panel):
             text = f"Reset {record_of(context.active_object).name} Alone"
             reset = layout.operator(operators.SPECTRAL_TV_OT_filter.bl_idname, text=text)
             reset.preset, reset.every = "RESET", False
-        take = layout.operator(SPECTRAL_TV_OT_take_bands.bl_idname, icon="IMPORT")
+        row = layout.row(align=True)
+        take = row.operator(SPECTRAL_TV_OT_take_bands.bl_idname, icon="IMPORT")
         take.first, take.last = settings.first, settings.last
+        take_all(row, text="", icon="ADD")
 
 
 class SPECTRAL_TV_PT_curve(BandsPanel, bpy.types.Panel):
@@ -197,7 +228,7 @@ class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return super().poll(context) and len(context.active_object.modifiers) > 0
+        return super().poll(context) and len(appliable(context.active_object)) > 0
 
     def rows(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
@@ -205,7 +236,7 @@ class SPECTRAL_TV_PT_modifiers(BandsPanel, bpy.types.Panel):
         if reason is not None:
             say(layout, context, reason, "INFO")
         column = layout.column(align=True)
-        for modifier in obj.modifiers:
+        for modifier in appliable(obj):
             row = column.row(align=True)
             row.enabled = modifier.show_viewport
             operator = row.operator(

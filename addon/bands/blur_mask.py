@@ -11,11 +11,10 @@ from spectral_tv.refusal import Refusal
 from ..job.operator import JobOperator
 from ..options.properties import choices_of
 from ..scene import masks, mix
-from ..scene.mix import keys_of
-from ..scene.records import record_of
+from ..scene.records import all_bands_of, record_of
 from ..scene.surface import Reading, Surface
 from .bands import settings_of
-from .mask_operators import band_number, band_of
+from .mask_operators import band_number, masked_band
 from .set_bands import bands_refusal
 
 # Equal steps of the flow; more of them change no weight by 1 %.
@@ -62,7 +61,7 @@ class SPECTRAL_TV_OT_blur_mask(JobOperator, choices_of(BlurSettings, "blur"), bp
         self.layout.prop(self, "band")
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        band = band_of(obj, self.band)
+        band = masked_band(obj, self.band)
         weights = masks.weights(obj, band)
         if np.ptp(weights) == 0:
             raise Refusal(f"the mask of {band.name!r} is {weights[0]:.3g} everywhere")
@@ -79,7 +78,7 @@ class SPECTRAL_TV_OT_blur_mask(JobOperator, choices_of(BlurSettings, "blur"), bp
         return spectral_tv.start_flow(mesh, values, np.linspace(0, time, STEPS + 1), "heat")
 
     def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Flow) -> str:
-        band = keys_of(obj.data).get(prepared.band)
+        band = next((each for each in all_bands_of(obj) if each.name == prepared.band), None)
         if band is None or not np.array_equal(masks.weights(obj, band), prepared.weights):
             raise Refusal("nothing was written, as the mask changed in the meantime")
         surface = prepared.surface

@@ -9,6 +9,7 @@ import spectral_tv
 from spectral_tv.bands.gains import caricature_values
 from spectral_tv.bands.methods import METHODS, OF_THE_PAPER
 from spectral_tv.bands.settings import INTO, INTO_TEXT, STEPS, Settings
+from spectral_tv.jobs.steps import Steps, in_turn
 from spectral_tv.notes import about, note
 from spectral_tv.options.declaring import choice, in_force, integer, number, options_of
 from spectral_tv.refusal import Refusal
@@ -16,11 +17,11 @@ from spectral_tv.refusal import Refusal
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
-from ..job.steps import Steps, in_turn
 from ..options.properties import choices_of
 from ..scene.surface import Surface
 from .adding import Part, add_bands
 from .bands import prepare, recall, set_values, start_split
+from .properties import sidebar_kind
 from .replacing import check_replaced, replaced_identifiers
 
 LIMBS = options_of(Settings)["keep_limbs"]
@@ -60,7 +61,8 @@ class CaricatureSettings:
     def of_bands(self) -> Settings:
         """What the bands are made by."""
         keep_limbs = in_force(self)["keep_limbs"]
-        return Settings(self.method, self.bands, self.steps, keep_limbs=keep_limbs, into=self.into)
+        more = {"keep_limbs": keep_limbs, "into": self.into, "bands_as": sidebar_kind()}
+        return Settings(self.method, self.bands, self.steps, **more)
 
 
 CaricatureChoices = choices_of(CaricatureSettings, "method", "range", "amount")

@@ -2,35 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
 
 import bpy
 import numpy as np
-import spectral_tv
+from spectral_tv.bands.clamping import Clamped, start_clamping
 from spectral_tv.bands.counts import Counts
+from spectral_tv.bands.guard import GuardSettings
+from spectral_tv.jobs.steps import Steps
 from spectral_tv.notes import note
-from spectral_tv.options.declaring import number
 
-from ..job.steps import Steps, in_turn
 from ..scene import mix
 from ..scene.records import all_bands_of, bands_of, record_of
 from ..scene.shape_keys import add_displacements
 from ..scene.surface import Reading, Surface, moves_of
 from ..scene.whole import whole
 from .bands import settings_of
-from .guard import STRETCH, Reference
+from .guard import Reference
 
 NAME = "Safe"
-
-
-@dataclass(frozen=True)
-class GuardSettings:
-    """What counts as too much."""
-
-    stretch: float = number(
-        "Stretch", "How many times its length an edge may become", STRETCH, 1.01, 100,
-        soft_most=10, digits=2, place="guard"
-    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -56,18 +45,6 @@ class Mix:
                 moved = taken if part.value < 0 else added
                 moved += part.displacement(obj)
         return cls(shape, taken, added)
-
-
-@dataclass(frozen=True)
-class Clamped:
-    """What became of the surface: the share (N,) of what is added that its vertices keep, and how
-    much that is of the whole; how many of its triangles cross others without bands, with the mix,
-    and with the clamped one.
-    """
-
-    shares: np.ndarray
-    kept: float
-    crossing: tuple[int, int, int]
 
 
 @dataclass(frozen=True)
@@ -104,20 +81,7 @@ class Clamping:
 
     def start(self) -> Steps[Clamped]:
         """Clamp, and look for triangles that cross."""
-        mesh = self.surfaces[0].mesh
-        cross = partial(spectral_tv.start_self_intersections, mesh)
-        safe = partial(spectral_tv.start_safe_displacement, mesh, self.added, self.stretch)
-
-        def steps():
-            found = yield from in_turn(
-                [safe, partial(cross, -self.taken), partial(cross, self.added)], 0.75
-            )
-            clamped = found[0]
-            after = yield cross(clamped.displacement), 1.0
-            counts = tuple(len(each) for each in (*found[1:], after))
-            return Clamped(clamped.shares, clamped.kept, counts)
-
-        return Steps(steps())
+        return start_clamping(self.surfaces[0].mesh, self.taken, self.added, self.stretch)
 
     def write(
         self, objects: Sequence[bpy.types.Object], result: Clamped
@@ -137,40 +101,12 @@ class Clamping:
                 moves = [mixed.taken + mixed.added, mix.key_displacement(keys[-1])]
                 found = Reference().counts_of(obj, mixed.shape, moves, self.stretch)
                 before, after = before + found[0], after + found[1]
-        self._note_left(after, result.crossing)
         names = ", ".join(dict.fromkeys(repr(key.name) for key in keys))
-        done = (
-            f"{before.told()} in the mix; {after.told()} in {names}, which keeps "
-            f"{_percent(result.kept)} of what the bands add"
-        )
-        without, crossing, still = result.crossing
-        if max(crossing, still) > without:
-            done += (
-                f"; {crossing} triangles cross others in the mix, {still} in {names}, {without} "
-                "without the bands"
-            )
+        done = result.told(before, after, names, takes=bool(self.taken.any()))
         return keys, f"{done}; added"
-
-    def _note_left(self, after: Counts, crossing: tuple[int, int, int]) -> None:
-        """Note what clamping did not mend."""
-        if after and self.taken.any():
-            note(f"what bands below 0 take away is not clamped: with it {after.told()}")
-        elif after:
-            note(f"{after.told()} all the same, by rounding or as faces bend")
-        without, _, still = crossing
-        if still > without:
-            note(
-                "parts meet that lie apart, which clamping does not prevent: "
-                f"{still} triangles cross"
-            )
 
 
 def least_of_copies(surface: Surface, shares: np.ndarray) -> np.ndarray:
     """The share of each vertex of the object, (V,): the least of its copies'."""
     places = surface.copies.places
     return np.where(places >= 0, shares[places], 1.0).min(axis=0)
-
-
-def _percent(share: float) -> str:
-    # Never all, unless it is all.
-    return "all" if share == 1 else f"{np.floor(1000 * share) / 10:g} %"

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..scene.mix import sliders_of
 from ..scene.records import record_of, renew_bands
 from . import filter_curve, remarks, whole_change
 from .set_bands import apply_curve, bands_refusal
@@ -53,9 +54,7 @@ def make_step() -> None:
 
 def state(obj: bpy.types.Object) -> tuple:
     """What a remark on the curve is about."""
-    record = record_of(obj)
-    keys = obj.data.shape_keys.key_blocks
-    return record.identifier, tuple((key.name, key.value) for key in keys)
+    return record_of(obj).identifier, tuple((key.name, key.value) for key in sliders_of(obj))
 
 
 def look(node: bpy.types.Node) -> None:
@@ -82,7 +81,7 @@ def _follow() -> None:
     if node is None or _Watch.seen in (None, _points(node)):
         return
     look(node)
-    if bands_refusal(obj) is None:
+    if bands_refusal(obj, values_alone=True) is None:
         renew_bands(obj)
         if not bpy.app.timers.is_registered(make_step):
             _Watch.before = state(obj)

@@ -9,10 +9,10 @@ import bpy
 import spectral_tv
 from bpy.props import BoolProperty
 from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
+from spectral_tv.jobs.together import Together
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
-from ..job.together import Together
 from ..scene.objects import distinct_meshes
 from ..scene.records import record_of
 from ..scene.surface import Surface
@@ -38,7 +38,7 @@ class Prepared:
 
 
 class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Operator):
-    """Split the active mesh into bands of detail, one shape key per band"""
+    """Split the active mesh into bands of detail, one shape key or attribute per band"""
 
     bl_idname = "spectral_tv.decompose"
     bl_label = "Decompose into Bands"

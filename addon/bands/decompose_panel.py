@@ -12,9 +12,11 @@ from ..scene.modifiers import between
 from ..scene.objects import is_mesh, refusal, selected_meshes
 from ..scene.records import bands_shown, record_of
 from . import at_once
+from .bands import place_refusal
 from .decompose import SPECTRAL_TV_OT_decompose
 from .replacing import replaced, why_not
 from .shapes import remarks, vertex_count
+from .take_bands import take_all
 
 
 class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
@@ -46,6 +48,9 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
             bands = () if former is None else bands_shown(obj, former)
             for text in remarks(obj, settings, [key for key in bands if key is not None]):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
+            text = place_refusal(obj, settings)
+            if text is not None:
+                say(layout, context, text, "ERROR")
             draw_needs(layout, context, settings.needs(vertex_count(obj, settings)))
             draw_into(layout, context, former)
         row = layout.row(align=True)
@@ -63,6 +68,14 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
                 text="Selected as One",
             )
             together.together = True
+        if reason is None and record_of(obj) is None and _has_bands_beside(context):
+            take_all(layout, icon="IMPORT")
+
+
+def _has_bands_beside(context: bpy.types.Context) -> bool:
+    """Whether one other object is selected, and has bands."""
+    others = [obj for obj in context.selected_objects if obj != context.active_object]
+    return len(others) == 1 and record_of(others[0]) is not None
 
 
 def draw_into(

@@ -1,6 +1,9 @@
 """The filter curve H: Blender's own curve widget, kept in the file."""
 
+from functools import partial
+
 import bpy
+from spectral_tv.bands.filtering import Curve
 
 # Curves live in nodes only; the dot hides the group from menus.
 GROUP = ".Spectral TV Filter"
@@ -39,3 +42,9 @@ def evaluate(node: bpy.types.Node, position: float) -> float:
     """H at a position in [0, 1], finest to largest."""
     node.mapping.initialize()
     return node.mapping.evaluate(node.mapping.curves[0], position)
+
+
+def current() -> Curve | None:
+    """H, if there is one."""
+    node = find()
+    return None if node is None else partial(evaluate, node)

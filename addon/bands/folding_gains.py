@@ -5,24 +5,14 @@ from collections.abc import Sequence
 
 import bpy
 from spectral_tv.bands.counts import Counts
+from spectral_tv.bands.guard import GuardSettings, advice_of
 from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import gathered, listed, note
 
 from ..scene.records import bands_of
 from .bands import set_values
-from .clamping import Clamping, GuardSettings
+from .clamping import Clamping
 from .guard import Reference
-
-
-def add_safe(parser: argparse.ArgumentParser) -> None:
-    """Declare that they are clamped."""
-    parser.add_argument(
-        "--safe",
-        action="store_true",
-        help="add less of what gains above 1 add where it would fold faces or stretch them beyond "
-        f"{GuardSettings.stretch:g} times their length; the result is a shape key, and the bands "
-        "are at gain 1. What gains below 1 take away is not clamped",
-    )
 
 
 class FoldingGains:
@@ -50,8 +40,7 @@ class FoldingGains:
             safe = self._clamp(objects, label)
             return [[*keys, key] for keys, key in zip(bands, safe, strict=True)]
         if found and not self._is_moving:
-            advice = "; --safe clamps what they add" if is_added else ""
-            note(f"at these gains {found.told()}{advice}")
+            note(f"at these gains {found.told()}{advice_of(is_added)}")
         return bands
 
     def note_frames(self) -> None:

@@ -4,7 +4,6 @@ It is told against the shape that is shown without bands: with them at 0, and th
 as they are.
 """
 
-import inspect
 import warnings
 from collections.abc import Collection, Iterable
 
@@ -12,14 +11,13 @@ import bpy
 import numpy as np
 import spectral_tv
 from spectral_tv.bands.counts import Counts
+from spectral_tv.bands.guard import STRETCH
 
 from ..scene import mix
 from ..scene.arrays import numbers
 from ..scene.coordinates import basis_coordinates, triangles
 from ..scene.surface import NOWHERE
 
-# How many times its length an edge may become, where nothing else is asked for.
-STRETCH: float = inspect.signature(spectral_tv.folds).parameters["stretch"].default
 # By how much an object's scales along its axes may differ, relative to them, and count as one.
 ROUNDING = 1e-6
 

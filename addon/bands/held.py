@@ -3,10 +3,10 @@
 import argparse
 from collections.abc import Sequence
 
+from spectral_tv.bands.limits import Limited
 from spectral_tv.notes import note
 
 from ..scene import lengths
-from .limiting import Limited
 
 
 class Held:
@@ -24,7 +24,7 @@ class Held:
         self._found += found
         if not self._is_moving:
             for each in found:
-                note(each.told())
+                note(each.told(lengths.told))
 
     def note_frames(self) -> None:
         """Note what was held back in frames."""

@@ -12,6 +12,7 @@ from spectral_tv.options.declaring import options_of
 from ..scene.fingerprints import Likeness
 from ..scene.objects import user_of
 from ..scene.records import keeping_of, recognise_bands, record_of
+from . import heights
 from .bands import Flow, displacements, flow_of, parts_of, settings_of
 from .set_bands import cut_refusal
 
@@ -66,7 +67,7 @@ def keep_limbs(obj: bpy.types.Object, amount: float) -> None:
 
 def _keep_limbs(obj: bpy.types.Object, flow: Flow, amount: float) -> None:
     record = record_of(obj)
-    keeping, there = keeping_of(record), keeping_of(record).all(obj.data)
+    keeping, there = keeping_of(record), keeping_of(record).all(obj)
     found = displacements(flow, flow.split.band_edges(len(record.bands)), amount)
     rows = zip(record.bands, recognise_bands(obj), found, strict=True)
     for band, (name, likeness), displacement in rows:
@@ -76,4 +77,6 @@ def _keep_limbs(obj: bpy.types.Object, flow: Flow, amount: float) -> None:
         elif name:
             keeping.set(obj, there[name], displacement)
             band.take(obj, keeping.written, name)
-    record.settings = replace(settings_of(record), keep_limbs=amount).text()
+    settings = replace(settings_of(record), keep_limbs=amount)
+    record.settings = settings.text()
+    heights.renew(obj, record, settings.heights)

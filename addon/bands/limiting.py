@@ -6,15 +6,13 @@ band had counts too, and comes back when the limit goes: the label of a written 
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.bands.limits import Limited
 from spectral_tv.notes import note
-from spectral_tv.options.declaring import number
 
-from ..scene import lengths, mix, results
+from ..scene import mix, results
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
 from ..scene.results import Piece
@@ -25,48 +23,6 @@ from .deviation import matrix_of
 KIND, LABEL = "LIMIT", "Limit"
 # Half a unit in the last place of Blender's coordinates, relative to them, and of weights.
 ROUNDING = 2.0**-24
-
-
-def limit_option(**more: Any) -> Any:
-    """The option that limits."""
-    return number(
-        "Limit Movement", "No vertex is moved further than this by the bands, in the scene's unit; "
-        "0 is no limit", 0, 0, None, unit="DISTANCE", digits=4, **more
-    )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class LimitSettings:
-    """How far bands may move a vertex."""
-
-    limit: float = limit_option(place="limit")
-
-
-@dataclass(frozen=True)
-class Limited:
-    """How many vertices of all are held back at a limit, and by which masks; how far the farthest
-    would be moved without that."""
-
-    limit: float
-    held: int
-    count: int
-    farthest: float
-    masks: Sequence[str]
-
-    def told(self) -> str:
-        """Say it."""
-        limit = lengths.told(self.limit)
-        if not self.held:
-            return f"no vertex is moved by more than {limit}: the farthest by {self._farthest()}"
-        verb = "is" if self.held == 1 else "are"
-        return (
-            f"{self.held} of {self.count} vertices {verb} held back at {limit}, by "
-            f"{', '.join(map(repr, self.masks))}; the farthest would be moved by "
-            f"{self._farthest()}"
-        )
-
-    def _farthest(self) -> str:
-        return lengths.told(self.farthest)
 
 
 def limit(
@@ -136,7 +92,7 @@ def lifted(obj: bpy.types.Object, bands: Iterable[Band]) -> dict[Band, str]:
 
 def sweep(obj: bpy.types.Object) -> None:
     """Remove the masks of limits that mask nothing any more, unless they were changed."""
-    used = {key.vertex_group for key in mix.keys_of(obj.data).values()}
+    used = {key.vertex_group for key in mix.sliders_of(obj)}
     places = results.known(obj, "GROUP")
     kept = obj.data.spectral_tv.results
     unused = [

@@ -7,18 +7,20 @@ from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
 from ..scene import masks
-from ..scene.drivers import readers
+from ..scene.decomposition import SpectralTVRecord
 from ..scene.fingerprints import Likeness
+from ..scene.keeping import Band
 from ..scene.objects import refusal
 from ..scene.records import (
     activate,
     adopt,
+    chosen_record,
     keeping_of,
     recognise_bands,
     record_of,
-    records_of,
     remove_record,
 )
+from . import heights
 
 
 class SPECTRAL_TV_OT_switch_decomposition(ChangeOperator, bpy.types.Operator):
@@ -41,8 +43,8 @@ class SPECTRAL_TV_OT_switch_decomposition(ChangeOperator, bpy.types.Operator):
 
 
 class SPECTRAL_TV_OT_remove_decomposition(ChangeOperator, bpy.types.Operator):
-    """Remove a decomposition with the shape keys that are its bands, and with what animates these.
-    Other shape keys stay"""
+    """Remove a decomposition with the shape keys or attributes that are its bands, and with what
+    animates these. Others stay"""
 
     bl_idname = "spectral_tv.remove_decomposition"
     bl_label = "Remove Decomposition"
@@ -59,25 +61,27 @@ class SPECTRAL_TV_OT_remove_decomposition(ChangeOperator, bpy.types.Operator):
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
         adopt(obj.data)
-        name = self.name or record_of(obj).name
-        records = {each.name: each for each in records_of(obj)}
-        if name not in records:
-            raise Refusal(f"it has no decomposition {name!r}")
-        record = records[name]
-        keeping, likes = keeping_of(record), recognise_bands(obj, record)
-        there = keeping.all(obj.data)
+        record = chosen_record(obj, self.name)
+        name, keeping = record.name, keeping_of(record)
+        reason = keeping.refusal(obj)
+        if reason is not None:
+            raise Refusal(reason)
+        likes = recognise_bands(obj, record)
+        there = keeping.all(obj)
         bands = [there[key] for key, _ in likes if key]
         names = [band.name for band in bands]
-        _tell(obj, bands, [key for key, like in likes if like == Likeness.CHANGED])
+        _tell(obj, record, bands, [key for key, like in likes if like == Likeness.CHANGED])
         pairs = zip(record.bands, likes, strict=True)
         left = [band.key for band, (key, _) in pairs if not key and band.key in there]
         if left:
-            note(f"these keys are no longer what its bands were, and stay: {listed(left)}")
-        for key in names:
-            keeping.remove(obj, there[key])
+            note(f"these are no longer what its bands were, and stay: {listed(left)}")
+        left = heights.names_of(obj, name)
+        if left:
+            note(f"the heights of its bands stay as attributes: {listed(left)}")
+        keeping.remove(obj, bands)
         remove_record(obj, name)
         masks.release(obj)
-        gone = f"its shape keys {listed(names)}" if names else "no shape key"
+        gone = f"its {keeping.label} {listed(names)}" if names else f"no {keeping.label_of_one}"
         return f"removed the decomposition {name!r} and {gone}"
 
 
@@ -87,9 +91,11 @@ def _refusal(obj: bpy.types.Object | None, override: bool) -> str | None:
     return refusal(obj, override=override)
 
 
-def _tell(obj: bpy.types.Object, bands: list[bpy.types.ShapeKey], sculpted: list[str]) -> None:
+def _tell(
+    obj: bpy.types.Object, record: SpectralTVRecord, bands: list[Band], sculpted: list[str]
+) -> None:
     """Note what else goes along with bands, and what is left without them."""
-    keeping = keeping_of(record_of(obj))
+    keeping = keeping_of(record)
     acting = [band.name for band in bands if band.value != 0 and not band.mute]
     if acting:
         note(f"the shape changes, as these bands were not at 0: {listed(acting)}")
@@ -98,6 +104,6 @@ def _tell(obj: bpy.types.Object, bands: list[bpy.types.ShapeKey], sculpted: list
         note(f"the animation of these bands went too: {listed(animated)}")
     if sculpted:
         note(f"what was sculpted went too: {listed(sculpted)}")
-    left = readers(obj.data, {band.name for band in bands})
+    left = keeping.readers(obj, bands)
     if left:
         note(f"drivers of {listed(left)} read these bands, and find them no more")

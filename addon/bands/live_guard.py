@@ -8,8 +8,8 @@ from spectral_tv.bands.counts import Counts
 
 from ..drawing.sidebar import say
 from ..job.operator import Refusing
-from ..scene import listening
-from ..scene.mix import keys_of
+from ..scene import listening, mix
+from ..scene.objects import user_of
 from ..scene.records import all_bands_shown
 from .guard import Reference, distortion
 from .set_bands import bands_refusal
@@ -92,7 +92,7 @@ def line(context: bpy.types.Context) -> Line | None:
     Counts only if something that matters has changed. Raises nothing.
     """
     obj = context.active_object
-    if obj.mode not in MODES or obj.data.is_editmode or not obj.data.shape_keys.use_relative:
+    if obj.mode not in MODES or obj.data.is_editmode or not is_relative(obj.data):
         return None
     known, question = _watched.get(obj.session_uid), question_of(obj)
     if known is not None and known.question == question:
@@ -181,9 +181,16 @@ def _triangles(mesh: bpy.types.Mesh) -> int:
     return len(mesh.loops) - 2 * len(mesh.polygons)
 
 
+def is_relative(mesh: bpy.types.Mesh) -> bool:
+    """Whether a mesh has no absolute shape keys."""
+    return mesh.shape_keys is None or mesh.shape_keys.use_relative
+
+
 def sliders_of(mesh: bpy.types.Mesh) -> tuple:
     """What is changed by turning a slider of the panel, or by pressing something beside it."""
-    keys = tuple((key.name, key.value, key.mute) for key in keys_of(mesh).values())
+    obj = user_of(mesh)
+    found = [] if obj is None else mix.sliders_of(obj)
+    keys = tuple((key.name, key.value, key.mute) for key in found)
     return tuple(record.settings for record in mesh.spectral_tv.decompositions), keys
 
 
@@ -195,6 +202,6 @@ def question_of(obj: bpy.types.Object) -> tuple:
         None if matrix is None else matrix.tobytes(),
         sliders_of(obj.data),
         tuple(key.name for key in all_bands_shown(obj)),
-        tuple(key.vertex_group for key in keys_of(obj.data).values()),
+        tuple(key.vertex_group for key in mix.sliders_of(obj)),
         obj.show_only_shape_key and obj.active_shape_key_index,
     )

@@ -5,8 +5,9 @@ from typing import Any
 import bpy
 
 from ..scene import masks
+from ..scene.decomposition import SpectralTVRecord
 from ..scene.keeping import Band
-from ..scene.records import bands_shown
+from ..scene.records import bands_shown, record_of
 from ..scene.results import PARTS, SEGMENTS, groups_shown
 from .blur_mask import SPECTRAL_TV_OT_blur_mask
 from .mask_operators import (
@@ -23,8 +24,11 @@ from .paint_mask import SPECTRAL_TV_OT_paint_mask, is_painted
 POINTER = "spectral_tv_band"
 
 
-def draw(row: bpy.types.UILayout, obj: bpy.types.Object, band: Band, number: int) -> None:
-    """Draw the brush and the menu of a band."""
+def draw(
+    row: bpy.types.UILayout, obj: bpy.types.Object, record: SpectralTVRecord, number: int
+) -> None:
+    """Draw the brush and the menu of a band of a decomposition."""
+    band = bands_shown(obj, record)[number - 1]
     brush = row.operator(
         SPECTRAL_TV_OT_paint_mask.bl_idname,
         text="",
@@ -33,7 +37,7 @@ def draw(row: bpy.types.UILayout, obj: bpy.types.Object, band: Band, number: int
     )
     brush.band = number
     part = row.row(align=True)
-    part.context_pointer_set(POINTER, band)
+    part.context_pointer_set(POINTER, record.bands[number - 1])
     part.menu(SPECTRAL_TV_MT_mask.__name__, text="", icon="DOWNARROW_HLT")
 
 
@@ -62,8 +66,9 @@ class MaskMenu:
 
     def draw(self, context: bpy.types.Context) -> None:
         band, obj = getattr(context, POINTER, None), context.active_object
-        found = bands_shown(obj) if obj is not None and band is not None else []
-        if band in found:
+        record = record_of(obj) if band is not None else None
+        found = [] if record is None else [*record.bands]
+        if band in found and bands_shown(obj)[found.index(band)] is not None:
             self.layout.context_pointer_set(POINTER, band)
             self.items(self.layout, obj, found.index(band) + 1)
 

@@ -13,7 +13,7 @@ from ..scene.arrays import numbers
 from ..scene.keeping import Band
 from ..scene.modes import out_of_edit_mode
 from ..scene.objects import refusal
-from ..scene.records import bands_of, record_of, topology_changed
+from ..scene.records import band_of, bands_of, record_of, topology_changed
 from ..scene.weights import group_named, weights_of
 from .set_bands import BandsOperator, bands_refusal
 
@@ -36,16 +36,11 @@ def mask_refusal(obj: bpy.types.Object | None) -> str | None:
     return refusal(obj, edit_mode=True)
 
 
-def band_of(obj: bpy.types.Object, number: int) -> Band:
-    """A band of the active decomposition, 1 being the finest; raises Refusal if it is not there."""
+def masked_band(obj: bpy.types.Object, number: int) -> Band:
+    """A band that a mask fits, as of records.band_of; raises Refusal if the mesh changed since."""
     if topology_changed(obj):
         raise Refusal("vertices or faces changed since; decompose the mesh again")
-    found = bands_of(obj)
-    if number > len(found):
-        raise Refusal(f"it has no band {number}, but {len(found)} bands")
-    if found[number - 1] is None:
-        raise Refusal(f"band {number} was deleted")
-    return found[number - 1]
+    return band_of(obj, number)
 
 
 def band_number() -> Any:
@@ -68,7 +63,7 @@ class SPECTRAL_TV_OT_invert_mask(MaskOperator, bpy.types.Operator):
     bl_label = "Invert Mask"
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
-        band = band_of(obj, self.band)
+        band = masked_band(obj, self.band)
         group = masks.give(obj, band, 1 - masks.weights(obj, band))
         return f"the mask {group.name!r} is inverted"
 
@@ -87,10 +82,10 @@ class SPECTRAL_TV_OT_copy_mask(MaskOperator, bpy.types.Operator):
     )
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
-        band = band_of(obj, self.band)
+        band = masked_band(obj, self.band)
         found = masks.weights(obj, band)
         if self.to:
-            others = [band_of(obj, self.to)]
+            others = [masked_band(obj, self.to)]
         else:
             others = [each for each in bands_of(obj) if each is not None]
         others = [each for each in others if each != band]
@@ -110,7 +105,7 @@ class SPECTRAL_TV_OT_choose_mask(MaskOperator, bpy.types.Operator):
     group: StringProperty(name="Vertex Group", description="The mask")
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
-        band, group = band_of(obj, self.band), group_named(obj, self.group)
+        band, group = masked_band(obj, self.band), group_named(obj, self.group)
         former = band.vertex_group
         masks.choose(obj, band, group)
         stays = former in obj.vertex_groups and former != group.name
@@ -141,7 +136,7 @@ class SPECTRAL_TV_OT_fill_mask(MaskOperator, bpy.types.Operator):
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
         with out_of_edit_mode(obj):
-            band = band_of(obj, self.band)
+            band = masked_band(obj, self.band)
             found = self._combined(obj, band, self._read(obj))
             group = masks.give(obj, band, found)
             count = int(np.count_nonzero(found))
@@ -192,7 +187,7 @@ class SPECTRAL_TV_OT_own_mask(MaskOperator, bpy.types.Operator):
     bl_label = "Make Own Mask"
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
-        band = band_of(obj, self.band)
+        band = masked_band(obj, self.band)
         group = masks.give(obj, band, masks.weights(obj, band))
         return f"the mask of {band.name!r} is {group.name!r}"
 
@@ -205,5 +200,5 @@ class SPECTRAL_TV_OT_remove_mask(MaskOperator, bpy.types.Operator):
     bl_label = "Remove Mask"
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
-        band = band_of(obj, self.band)
+        band = masked_band(obj, self.band)
         return f"{band.name!r} acts everywhere; {masks.remove(obj, band)}"

@@ -9,7 +9,7 @@ from ..scene import masks
 from ..scene.group_users import told
 from ..scene.keeping import Band
 from ..scene.modes import set_mode
-from .mask_operators import MaskOperator, band_of, mask_refusal
+from .mask_operators import MaskOperator, mask_refusal, masked_band
 
 PAINTING = "WEIGHT_PAINT"
 
@@ -49,7 +49,7 @@ class SPECTRAL_TV_OT_paint_mask(MaskOperator, bpy.types.Operator):
         if former == "EDIT":
             set_mode(obj, "OBJECT")
         try:
-            band = band_of(obj, self.band)
+            band = masked_band(obj, self.band)
             if is_painted(obj, band):
                 set_mode(obj, painting.mode or "OBJECT")
                 if painting.group in obj.vertex_groups:

@@ -5,13 +5,14 @@ from contextlib import contextmanager
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
+from spectral_tv.bands.filtering import FilterSettings
 from spectral_tv.bands.gains import usual_band
 from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
 
 from ..drawing.sizes import size_of_active
 from ..options.properties import choices_of, property_of, sidebar_of
 from ..scene.records import record_of
-from .filtering import FilterSettings, SidebarFilter
+from .filtering import SidebarFilter
 
 DecompositionChoices = choices_of(Settings, "method shape")
 
@@ -20,6 +21,11 @@ DecompositionChoices = choices_of(Settings, "method shape")
 PICKER = "spectral_tv.pick_size"
 # What follows when the user has changed options in the sidebar: it is called with their names.
 CHANGED: list[Callable[..., None]] = []
+
+
+def sidebar_kind() -> str:
+    """What bands are kept as, by the choice in the sidebar."""
+    return bpy.context.scene.spectral_tv.bands_as
 
 
 _quiet: list[None] = []

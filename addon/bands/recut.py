@@ -15,10 +15,10 @@ from spectral_tv.notes import note
 from ..scene import masks
 from ..scene.channels import Animated, own_actions
 from ..scene.curve_sums import Term, total
-from ..scene.drivers import copy_driver, retarget_drivers, same_driver
+from ..scene.drivers import copy_driver, same_driver
 from ..scene.fcurves import Point, add_curve, make_keyframes, same_modifiers
 from ..scene.keeping import Band, Keeping
-from ..scene.names import free_name
+from ..scene.names import free_name, taken_names
 from .mean_mask import mean_mask
 from .overlap import Overlap
 
@@ -61,7 +61,7 @@ class Recut:
     ) -> None:
         """Take the old and the new bands, and the names of these."""
         self.obj, self.keeping, self.former, self.new = obj, keeping, former, new
-        self.block, self.path = keeping.animated(obj.data), keeping.path
+        self.block, self.path = keeping.block(obj), keeping.path
         self.old, self.parts = [each.band for each in former], overlap.parts
         self.mixed: list[str] = []
         self.heirs = [overlap.successor(band) for band in range(len(former))]
@@ -75,7 +75,7 @@ class Recut:
 
     def take_place(self) -> tuple[list[str], list[str]]:
         """Have them take it; returns their present names, and the names that they were given."""
-        obj, there = self.obj, self.keeping.all(self.obj.data)
+        obj, keeping = self.obj, self.keeping
         self._carry()
         gone, heirs = [], {}
         for each, heir in zip(self.former, self.heirs, strict=True):
@@ -90,21 +90,11 @@ class Recut:
                     heirs[name] = self.new[heir]
                     if name not in (each.given, *self.names):
                         note(f"{name!r} went into {self.names[heir]!r}")
-        active = [
-            (user, heirs.get(user.active_shape_key.name, user.active_shape_key))
-            for user in bpy.data.objects
-            if user.data == obj.data and user.active_shape_key is not None
-        ]
-        place = min(map(there.find, gone), default=None)
-        for name in gone:
-            self.keeping.remove(obj, there[name])
+        take = keeping.hand_over(obj, gone, heirs)
+        keeping.remove(obj, [keeping.all(obj)[name] for name in gone])
         for band, name in zip(self.new, self.names, strict=True):
-            band.name = free_name(name, "", {other.name for other in there if other != band})
-        retarget_drivers(obj.data, {name: band.name for name, band in heirs.items()})
-        for index, band in enumerate(self.new if place is not None else ()):
-            self.keeping.move(obj, band, place + index)
-        for user, band in active:
-            user.active_shape_key_index = there.find(band.name)
+            band.name = free_name(name, "", taken_names(obj, keeping.written) - {band.name})
+        take(self.new)
         given = [
             band.name if name in self.usual else twin.given
             for band, name, twin in zip(self.new, self.names, self.twins, strict=True)
@@ -120,8 +110,7 @@ class Recut:
 
     def _carry(self) -> None:
         """Set the new keys, and animate and drive them."""
-        there = [key for key in self.old if key is not None]
-        for animated in own_actions(self.block, there, "these bands"):
+        for animated in own_actions(self.block, self._is_of_old, "these bands"):
             for band in range(len(self.new)):
                 self._carry_curves(animated, band)
         for band in range(len(self.new)):
@@ -129,6 +118,11 @@ class Recut:
             self._carry_drivers(band)
         if self.mixed:
             note(f"the mean of other values, so that the shape is another: {', '.join(self.mixed)}")
+
+    def _is_of_old(self, path: str) -> bool:
+        """Whether a path is to a property of an old band."""
+        there = [key for key in self.old if key is not None]
+        return any(self.keeping.property_of(key, path) for key in there)
 
     def _former(self, band: int) -> list[int]:
         """Old bands that a new one has parts of, the largest part first."""
@@ -212,10 +206,9 @@ class Recut:
             same = [same_modifiers([first, curve]) for curve in moving.values()]
             self._tell(band, "modifiers of curves", [*moving], same)
         for old in self._former(band)[:1]:
-            start = self.path(self.old[old])
-            for curve in [each for each in curves if each.data_path.startswith(start)]:
-                name = curve.data_path.removeprefix(start)
-                if name != "value":
+            for curve in [*curves]:
+                name = self.keeping.property_of(self.old[old], curve.data_path)
+                if name not in ("", "value"):
                     points = [Point.of(point) for point in curve.keyframe_points]
                     add_curve(curves, self.path(key, name), points, curve)
 
@@ -231,7 +224,7 @@ class Recut:
         former = sorted(drivers, key=lambda old: (-self.parts[band, old], drivers[old] is None))
         same = [same_driver(drivers[former[0]], drivers[old]) for old in former]
         self._tell(band, "drivers", former, same)
-        start = self.path(self.old[former[0]])
-        for driver in [each for each in animation.drivers if each.data_path.startswith(start)]:
-            name = driver.data_path.removeprefix(start)
-            copy_driver(animation, driver, self.path(self.new[band], name))
+        for driver in [*animation.drivers]:
+            name = self.keeping.property_of(self.old[former[0]], driver.data_path)
+            if name:
+                copy_driver(animation, driver, self.path(self.new[band], name))

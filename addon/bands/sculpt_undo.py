@@ -7,7 +7,7 @@ decomposition, and take that along. Here a step is made once a band has come to 
 import bpy
 
 from ..scene import listening
-from ..scene.mix import keys_of
+from ..scene.mix import sliders_of
 from ..scene.records import record_of
 
 STEP = "Set Bands"
@@ -59,7 +59,7 @@ def _state() -> tuple | None:
     obj = bpy.context.view_layer.objects.active
     if obj is None or obj.mode != "SCULPT" or record_of(obj) is None:
         return None
-    keys = keys_of(obj.data).values()
+    keys = sliders_of(obj)
     frame = bpy.context.scene.frame_current
     return (obj.session_uid, frame, tuple((key.name, key.value, key.mute) for key in keys))
 

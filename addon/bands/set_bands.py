@@ -3,6 +3,7 @@
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from spectral_tv.bands.filtering import FilterSettings
 from spectral_tv.bands.gains import PRESETS, curve_values, idle_reason, preset_values
 from spectral_tv.bands.settings import Settings
 from spectral_tv.notes import about, note
@@ -11,20 +12,24 @@ from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
 from ..options.properties import property_of
+from ..scene import mix
+from ..scene.attribute_band import attribute_bands
+from ..scene.coordinates import basis_coordinates
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.objects import refusal
 from ..scene.records import (
     bands_of,
+    counts_differ,
     keeping_of,
     record_of,
     records_of,
     renew_bands,
     topology_changed,
 )
+from ..scene.shape_keys import add_displacements
 from . import filter_curve, original
 from .adding import cut_again
 from .bands import flows, set_values
-from .filtering import FilterSettings
 from .solo import toggle_solo
 
 LIMBS = options_of(Settings)["keep_limbs"]
@@ -33,16 +38,22 @@ SAME_SCALES = 0.01
 
 
 def bands_refusal(
-    obj: bpy.types.Object | None, override: bool = True, original_too: bool = False
+    obj: bpy.types.Object | None,
+    override: bool = True,
+    original_too: bool = False,
+    values_alone: bool = False,
 ) -> str | None:
     """Why there are no bands to set, in a sentence for the user; None if there are.
 
     A library override is a reason unless ``override`` allows it, and so is the original that is
-    shown instead of the look unless ``original_too`` does.
+    shown instead of the look unless ``original_too`` does. Where ``values_alone`` are set, the mesh
+    may be linked if the object has its own.
     """
-    if record_of(obj) is None:
+    record = record_of(obj)
+    if record is None:
         return "The active object has no bands; decompose it first"
-    reason = refusal(obj, override=override)
+    linked_mesh = values_alone and keeping_of(record).has_own_values
+    reason = refusal(obj, override=override, linked_mesh=linked_mesh)
     if reason is None and topology_changed(obj):
         reason = "Vertices or faces changed since; decompose the mesh again"
     if reason is None and not original_too and original.is_shown(obj):
@@ -53,6 +64,10 @@ def bands_refusal(
 def cut_refusal(obj: bpy.types.Object | None) -> str | None:
     """Why bands cannot be cut anew, in a sentence for the user; None if they can."""
     reason = bands_refusal(obj, override=False)
+    if reason is None:
+        reason = keeping_of(record_of(obj)).refusal(obj)
+    if reason is None and counts_differ(obj, record_of(obj)):
+        reason = "Vertices or faces changed since; decompose the mesh again"
     if reason is None and record_of(obj).identifier not in flows:
         reason = "The flow is no longer in memory; decompose the mesh again"
     return reason
@@ -63,10 +78,13 @@ class BandsOperator(ChangeOperator):
 
     # Whether shape keys come or go: on a library override that would not be saved, values are.
     changes_keys = False
+    # Whether it sets values and nothing beside them, so that a linked mesh may have the bands.
+    sets_values_alone = False
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        return bands_refusal(context.active_object, override=not cls.changes_keys)
+        obj, values_alone = context.active_object, cls.sets_values_alone
+        return bands_refusal(obj, override=not cls.changes_keys, values_alone=values_alone)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Do it to what the bands are today."""
@@ -79,6 +97,7 @@ class SPECTRAL_TV_OT_filter(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.filter"
     bl_label = "Filter"
+    sets_values_alone = True
 
     preset: EnumProperty(name="Filter", items=PRESETS, default="LOW_PASS")
     first: property_of(FilterSettings, "first")
@@ -114,6 +133,7 @@ class SPECTRAL_TV_OT_add_curve(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.add_curve"
     bl_label = "Draw a Filter Curve"
+    sets_values_alone = True
 
     def change(self, _context: bpy.types.Context, _obj: bpy.types.Object) -> None:
         filter_curve.ensure()
@@ -124,6 +144,7 @@ class SPECTRAL_TV_OT_apply_curve(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.apply_curve"
     bl_label = "Apply Curve"
+    sets_values_alone = True
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         apply_curve(obj)
@@ -153,6 +174,7 @@ class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.keyframe"
     bl_label = "Keyframe All Bands"
+    sets_values_alone = True
 
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         keys = [key for key in bands_of(obj) if key is not None]
@@ -169,7 +191,7 @@ class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
 
 
 class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
-    """Add the present mix of all shape keys as one new shape key, at value 0"""
+    """Add the present mix of all shape keys and bands as one new shape key, at value 0"""
 
     bl_idname = "spectral_tv.bake"
     bl_label = "Bake Mix"
@@ -177,7 +199,11 @@ class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
         active = obj.active_shape_key_index
-        key = obj.shape_key_add(name="Filtered", from_mix=True)
+        if attribute_bands(obj):  # which are no part of what Blender calls the mix
+            moved = mix.shown(obj) - basis_coordinates(obj.data)
+            (key,) = add_displacements(obj, ["Filtered"], [moved])
+        else:
+            key = obj.shape_key_add(name="Filtered", from_mix=True)
         key.value = 0
         obj.active_shape_key_index = active
         return f"added the shape key {key.name!r}"
@@ -188,6 +214,7 @@ class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
 
     bl_idname = "spectral_tv.copy_filter"
     bl_label = "Copy Filter to Selected"
+    sets_values_alone = True
 
     def change(self, context: bpy.types.Context, source: bpy.types.Object) -> str:
         others = [obj for obj in context.selected_objects if obj != source]
@@ -215,7 +242,7 @@ class SPECTRAL_TV_OT_copy_filter(BandsOperator, bpy.types.Operator):
 def _alike(obj: bpy.types.Object, source: bpy.types.Object) -> SpectralTVRecord | None:
     """The decomposition of an object that is like the active one of another: that one which is
     active, if it is. None if none is."""
-    if bands_refusal(obj) is not None:
+    if bands_refusal(obj, values_alone=True) is not None:
         return None
     active, other = record_of(obj), record_of(source)
     records = [active, *(each for each in records_of(obj) if each != active)]

@@ -1,10 +1,9 @@
 """Solo: mutes all bands of a decomposition but one, and remembers which were muted before."""
 
 import bpy
-from spectral_tv.refusal import Refusal
 
 from ..scene.decomposition import SpectralTVBand, SpectralTVRecord
-from ..scene.records import bands_of, record_of
+from ..scene.records import band_of, bands_of, record_of
 
 
 def toggle_solo(obj: bpy.types.Object, number: int) -> None:
@@ -15,8 +14,7 @@ def toggle_solo(obj: bpy.types.Object, number: int) -> None:
     """
     record = record_of(obj)
     pairs = _pairs(obj, record)
-    if number > len(pairs) or pairs[number - 1][1] is None:
-        raise Refusal(f"it has no band {number}")
+    band_of(obj, number)
     is_alone = record.solo == number and all(
         key is None or key.mute == (place != number)
         for place, (_, key) in enumerate(pairs, start=1)

@@ -5,8 +5,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
+from spectral_tv.bands.filtering import KEEPS_ALL
 from spectral_tv.bands.gain_arguments import add_gains, band_values, complaint_of_gains
+from spectral_tv.bands.guard import add_safe
+from spectral_tv.bands.limits import LimitSettings
 from spectral_tv.bands.settings import Settings
+from spectral_tv.command_line.frames import add_scales, complaint_of_scales
 from spectral_tv.command_line.progress import progress
 from spectral_tv.notes import listed, note
 from spectral_tv.options.arguments import add_arguments as add_options
@@ -14,6 +18,7 @@ from spectral_tv.options.arguments import complaint, read
 from spectral_tv.refusal import Refusal
 
 from ..command_line.formats import BLEND, FORMATS
+from ..command_line.frames import look_at_frames
 from ..command_line.frames_verb import FramesVerb
 from ..scene import applied, multires
 from ..scene.records import all_bands_of, record_of
@@ -21,11 +26,10 @@ from . import figures, limiting, shown_shape
 from .adding import Part, add_bands
 from .apply_argument import add_apply, apply_each, complaint_of_apply
 from .bands import prepare_together, set_values, start_split
-from .filtering import KEEPS_ALL
-from .folding_gains import FoldingGains, add_safe
+from .folding_gains import FoldingGains
 from .held import Held
-from .limiting import LimitSettings
 from .shapes import told_groups
+from .split_frames import SplitFrames
 from .write_back import write_back
 
 
@@ -39,7 +43,9 @@ class Decompose(FramesVerb):
 Split the meshes of files into bands of detail, filter them, and write them.
 
 A .blend keeps the bands as shape keys, set to the gains; .glb, .gltf and .fbx carry them too.
-All other formats hold the filtered shape."""
+All other formats hold the filtered shape. With --bands-as attributes a .blend has a modifier
+that adds the bands; all other files hold the filtered shape, and .glb, .gltf, .usd and .ply
+the bands as attributes too."""
     examples = """\
   {program} decompose dragon.ply -o dragon.blend --bands 5
   {program} decompose scan.obj -o smooth.obj --gain 1=0 --gain 2=0.5
@@ -59,8 +65,9 @@ All other formats hold the filtered shape."""
             help="split every object by itself, even where the open edges of several meet",
         )
         FramesVerb.add_frames(parser, "split and filter what is seen")
+        add_scales(parser)
         add_gains(parser)
-        add_safe(parser)
+        add_safe(parser, "the result is a shape key, and the bands are at gain 1")
         add_options(parser, LimitSettings)
         add_apply(parser)
 
@@ -69,6 +76,7 @@ All other formats hold the filtered shape."""
         asked, reason = self.asked, super().complaint()
         if reason is None and 0 < asked.largest <= asked.finest:
             return "--largest has to be larger than --finest"
+        reason = reason or complaint_of_scales(self.choices)
         if reason is None and asked.shape == "MULTIRES" and self.choices.frames is not None:
             return "--shape multires is at rest, so it is not for --frames"
         if reason is None and asked.shape == "MULTIRES" and self.choices.apply:
@@ -80,10 +88,22 @@ All other formats hold the filtered shape."""
     def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Give objects their bands; over frames, have them play their filtered shapes."""
         self._folding, self._held = FoldingGains(self.choices), Held(self.choices)
+        self._frames = SplitFrames(self.asked)
         super().treat_all(objects)
         self._held.note_frames()
         if self.choices.frames is not None:
             self._folding.note_frames()
+
+    def look_ahead(self, objects: list[bpy.types.Object], frames: Sequence[int]) -> None:
+        """Measure all frames, if sizes of bands go by them."""
+        if self.choices.scales != "all":
+            return
+
+        def look(copies: list[bpy.types.Object], _frame: int) -> None:
+            for group in self.groups(copies) if copies else ():
+                self._frames.measure(group)
+
+        look_at_frames(objects, frames, look)
 
     def choose(self) -> list[bpy.types.Object]:
         """The objects to split where none is named: those with levels, if these are asked for."""
@@ -115,9 +135,12 @@ All other formats hold the filtered shape."""
         is_filtered = bool(choices.gains) or choices.curve is not None
         if not any(values) and (is_filtered or not self._holds_bands()):
             note(KEEPS_ALL)
-        surfaces, arguments = prepare_together(objects, asked)
+        surfaces, arguments = prepare_together(objects, asked, self._frames.area(objects))
         with progress(label) as show:
-            split = start_split(surfaces[0].mesh, asked, arguments).result(show)
+            if choices.frames is None:
+                split = start_split(surfaces[0].mesh, asked, arguments).result(show)
+            else:
+                surfaces, split = self._frames.split(objects, surfaces, arguments, show)
         if asked.shape == "MULTIRES":
             objects = [shown_shape.new_object(objects[0], asked.shape, surfaces[0])]
         pairs = zip(objects, surfaces, strict=True)
@@ -167,4 +190,4 @@ All other formats hold the filtered shape."""
         if self.file is None:
             return False
         suffix = self.file.suffix.lower()
-        return suffix == BLEND or FORMATS[suffix].keys
+        return suffix == BLEND or (FORMATS[suffix].keys and self.asked.bands_as == "KEYS")

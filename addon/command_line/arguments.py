@@ -1,19 +1,24 @@
 """The arguments that every verb about meshes takes."""
 
 import argparse
+from contextlib import suppress
 from pathlib import Path
 
 from spectral_tv.command_line.places import (
     add_places,
     add_report,
+    beneath,
     complaint_of_clashes,
     complaint_of_places,
     is_folder,
     target_of,
     target_path,
 )
+from spectral_tv.files.numbered import Numbered
+from spectral_tv.notes import gathered
+from spectral_tv.refusal import Refusal
 
-from .formats import exportable
+from .formats import exportable, importable
 
 
 def add_arguments(parser: argparse.ArgumentParser, verb: str, result: str) -> None:
@@ -47,10 +52,13 @@ def complaint(choices: argparse.Namespace) -> str | None:
 
 def outputs(choices: argparse.Namespace, source: Path) -> tuple[Path | None, Path | None]:
     """The file and the picture to write for an input."""
+    if is_folder(source):  # of numbered files
+        with suppress(Refusal, OSError), gathered():  # it has its own message
+            source = Numbered.of(source, importable()).unnumbered
     file = None if choices.output is None else target_of(choices, source)
     picture = choices.render
     if picture is not None and is_folder(picture):
-        picture = picture / f"{source.stem}.png"
+        picture = beneath(choices, picture, source) / f"{source.stem}.png"
     return file, picture
 
 
@@ -59,6 +67,9 @@ def _complaint_of_targets(choices: argparse.Namespace) -> str | None:
     targets: list[Path] = []
     for source in choices.inputs:
         file, picture = outputs(choices, source)
+        is_among = is_folder(source) and file is not None
+        if is_among and file.parent.resolve() == source.resolve():
+            return f"the results would be among the frames in {source}; choose another folder"
         # An input without a known suffix has its own message.
         if file is not None and file.suffix.lower() not in writable:
             if is_folder(choices.output) and choices.format is None:

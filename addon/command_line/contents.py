@@ -8,7 +8,9 @@ import numpy as np
 
 from ..scene.animation import curves_of
 from ..scene.arrays import numbers
+from ..scene.attribute_band import has_bands
 from ..scene.channels import drivers_of
+from ..scene.frames import depends_on_time
 from ..scene.mix import keys_of
 from .formats import APPLIED, HOLDS, NO
 
@@ -145,7 +147,10 @@ def is_animated(obj: bpy.types.Object) -> bool:
 
 def has_moving_shape(obj: bpy.types.Object) -> bool:
     """Whether modifiers move the vertices of an object as frames go by."""
-    if any(item.type in MOVING and item.show_viewport for item in obj.modifiers):
+    own = [item for item in obj.modifiers if item.show_viewport and not has_bands(item)]
+    if any(item.type in MOVING for item in own):
+        return True
+    if any(item.type == "NODES" and depends_on_time(item.node_group) for item in own):
         return True
     curves = [*drivers_of(obj), *(curves_of(obj) or ())]
     return any(curve.data_path.startswith("modifiers[") for curve in curves)

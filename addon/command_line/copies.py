@@ -39,6 +39,27 @@ def held(copies: dict[bpy.types.Object, bpy.types.Mesh]) -> Iterator[None]:
 
 
 @contextmanager
+def own_materials(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Have meshes with shape keys hold the materials that slots have by the object.
+
+    The exporter of FBX writes a copy of such a mesh otherwise, whose keys nothing animates.
+    """
+    with Temporary() as now:
+        for obj in objects:
+            places = [i for i, slot in enumerate(obj.material_slots) if slot.link == "OBJECT"]
+            if not places or obj.data.shape_keys is None:
+                continue
+            if obj.data.users > 1:
+                now.put(obj, "data", now.made(obj.data.copy()))
+            materials = [slot.material for slot in obj.material_slots]
+            for place in places:
+                now.put(obj.material_slots[place], "link", "DATA")
+                now.callback(obj.data.materials.__setitem__, place, obj.data.materials[place])
+                obj.data.materials[place] = materials[place]
+        yield
+
+
+@contextmanager
 def unhooked(modifiers: Iterable[bpy.types.Modifier]) -> Iterator[None]:
     """Have armatures let go of objects: exporters take them along even where they are off."""
     with Temporary() as now:

@@ -5,8 +5,9 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 from spectral_tv.files.srgb import decoded, encoded
+from spectral_tv.means import means
 
-from ..scene.arrays import corner_vertices, means, numbers
+from ..scene.arrays import corner_vertices, numbers
 from .contents import color_layers, own_attributes
 from .formats import FORMATS
 

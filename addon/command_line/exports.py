@@ -18,8 +18,9 @@ from ..scene.animation import curves_of
 from ..scene.channels import drivers_of
 from ..scene.temporary import Temporary
 from . import finish_obj, finish_ply, ply_names
+from .alembic import alembic_size
 from .contents import armatures, is_animated
-from .copies import dressed
+from .copies import dressed, own_materials
 from .digits import Digits, decimals_of
 from .dress import dress_of
 from .formats import FORMATS, call
@@ -30,9 +31,6 @@ from .moving_curves import moving_alone
 from .rendered import rendered_as_shown
 from .shown import Kept, shown
 from .textures import beside, folder_name
-
-# How many bytes an Alembic file takes at most for a vertex, a corner, and for all else.
-ABC_VERTEX, ABC_CORNER, ABC_REST = 48, 160, 1 << 20
 
 
 @dataclass
@@ -97,7 +95,7 @@ def _export_fbx(place: Path, export: Export) -> None:
         # One take of all that moves: takes of single actions begin at 0, without shape keys.
         export.options["bake_anim_use_nla_strips"] = False
         export.options["bake_anim_use_all_actions"] = False
-    with _shown(export, export.meshes), moving_alone():
+    with _shown(export, export.meshes), own_materials(export.meshes), moving_alone():
         export.call(place)
 
 
@@ -121,10 +119,7 @@ def _export_abc(place: Path, export: Export) -> None:
     has_materials = any(slot.material for obj in export.meshes for slot in obj.material_slots)
     export.options["face_sets"] = has_materials
     graph = bpy.context.evaluated_depsgraph_get()
-    most = ABC_REST
-    for obj in export.meshes:
-        mesh = obj.evaluated_get(graph).data
-        most += len(mesh.vertices) * ABC_VERTEX + len(mesh.loops) * ABC_CORNER
+    most = alembic_size([obj.evaluated_get(graph).data for obj in export.meshes])
     # A disk that gets full would end the process.
     with export.dressed(), with_room(place, most * (frames[1] - frames[0] + 1)) as path:
         export.call(path)
@@ -194,8 +189,9 @@ def _export_usd(place: Path, export: Export) -> None:
 
     keyed = [obj for obj in export.meshes if obj.data.shape_keys is not None]
     has_kept = any(is_kept(obj, key) for obj in keyed for key in obj.data.shape_keys.key_blocks[1:])
-    # What has a skeleton is written as it is without its keys.
-    laid_out = keyed if has_kept else [obj for obj in keyed if armatures(obj)]
+    # What has a skeleton is written as it is without its keys and its other modifiers.
+    rigged = [obj for obj in export.meshes if armatures(obj)]
+    laid_out = [*dict.fromkeys([*(keyed if has_kept else ()), *rigged])]
     export.options["export_shapekeys"] = has_kept
     # Without animation Blender 4.2 leaves poses out.
     has_rigs = any(obj.type == "ARMATURE" for obj in export.objects)

@@ -142,11 +142,6 @@ FORMATS = {
 }  # fmt: skip
 
 
-def a(suffix: str) -> str:
-    """A file of this suffix, with its article."""
-    return f"an {suffix}" if suffix[1] in "aeo" else f"a {suffix}"
-
-
 def importable() -> list[str]:
     """Suffixes of the formats that this Blender reads."""
     return [BLEND, *(suffix for suffix, form in FORMATS.items() if form.importer)]

@@ -1,7 +1,7 @@
 """Reading files by their suffix, with whatever operators this Blender has."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -49,7 +49,7 @@ class Source:
     digits: Digits
     things: list[Thing]
     keys: Mapping[str, set[str]]
-    frames: range | None = None
+    frames: Sequence[int] | None = None
     units: Mapping[str, Any] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
     ply: Look | None = None
@@ -66,7 +66,7 @@ def load(path: Path) -> Source:
     Raises Refusal or RuntimeError if it cannot be read.
     """
     suffix = path.suffix.lower()
-    _ensure_readable(path, suffix)
+    ensure_readable(path, suffix)
     given = files.read(path)
     read = given.digits
     if suffix == BLEND:
@@ -75,7 +75,7 @@ def load(path: Path) -> Source:
         # The preferences, and with them this extension, stay.
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         with given.mended() as place:
-            _import(place, suffix)
+            import_file(place, suffix)
         given.compare(list(bpy.context.view_layer.objects))
     objects = list(bpy.context.view_layer.objects)
     _tell_coarse(objects)
@@ -133,7 +133,8 @@ def _open(path: Path) -> Digits:
     return Digits(np.array(bpy.context.scene.get(OFFSET, (0.0, 0.0, 0.0)), dtype=np.float64))
 
 
-def _import(path: Path, suffix: str) -> None:
+def import_file(path: Path, suffix: str) -> None:
+    """Import a file into the present scene; raises Refusal or RuntimeError."""
     form = FORMATS[suffix]
     with read_right() if suffix in (".glb", ".gltf") else nullcontext():
         if not call(form.importer, filepath=str(path), **form.reading):
@@ -155,7 +156,7 @@ def _import(path: Path, suffix: str) -> None:
     bpy.context.view_layer.update()
 
 
-def _ensure_readable(path: Path, suffix: str) -> None:
+def ensure_readable(path: Path, suffix: str) -> None:
     """Raise Refusal if there is no file that this Blender can read."""
     ensure_file(path)
     if suffix not in importable():

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from itertools import groupby
 
-from spectral_tv.notes import listed, note
+from spectral_tv.notes import a, listed, note
 
 from .contents import Thing
-from .formats import APPLIED, BLEND, FORMATS, HOLDS, NO, ONE, a
+from .formats import APPLIED, BLEND, FORMATS, HOLDS, NO, ONE
 
 # Kinds of which users want to know which ones.
 NAMED = (

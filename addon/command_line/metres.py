@@ -5,11 +5,11 @@ from contextlib import contextmanager
 
 import bpy
 from mathutils import Matrix
-from spectral_tv.notes import note
+from spectral_tv.notes import a, note
 from spectral_tv.refusal import Refusal
 
 from ..scene.temporary import Temporary
-from .formats import FORMATS, a, has_option
+from .formats import FORMATS, has_option
 
 # Formats that know no unit; .dae tells its own, and the exporter of .fbx converts.
 UNITLESS = (".abc", ".obj", ".ply", ".stl")

@@ -6,13 +6,12 @@ from contextlib import contextmanager
 import bmesh
 import bpy
 import numpy as np
-from spectral_tv.notes import note
+from spectral_tv.notes import a, note
 
 from ..scene.coordinates import coordinates
 from ..scene.mix import keys_of
 from .copies import held
 from .digits import are_nowhere
-from .formats import a
 
 
 def tell_kept(objects: Sequence[bpy.types.Object]) -> None:

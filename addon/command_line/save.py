@@ -7,14 +7,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import bpy
-from spectral_tv.notes import listed, note
+from spectral_tv.notes import a, listed, note
 from spectral_tv.refusal import Refusal
 
 from ..scene.temporary import Temporary
 from .contents import armatures
 from .copies import unhooked
 from .exports import Export, is_text, write
-from .formats import BLEND, FORMATS, a, call
+from .formats import BLEND, FORMATS, call
 from .load import LONGEST_PATH, OFFSET, Source
 from .losses import tell_losses
 from .metres import tell_units

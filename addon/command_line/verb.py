@@ -1,7 +1,7 @@
 """What all verbs do: read each file, treat its objects, then write and picture them."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import spectral_tv
 from spectral_tv.command_line.command import Command
 from spectral_tv.command_line.progress import say
 from spectral_tv.command_line.report import Entry
+from spectral_tv.files.numbered import numbered
 from spectral_tv.files.whole import ensure_writable
 from spectral_tv.notes import about, listed
 from spectral_tv.refusal import Refusal
@@ -40,6 +41,8 @@ class Verb(Command):
     file: Path | None
     read: Source
     done: list[list[str]]
+    # Whether vertices come and go over frames.
+    is_remeshed = False
     # What was measured of objects, by their names, for the report.
     measured: dict[str, Any]
 
@@ -52,6 +55,15 @@ class Verb(Command):
     def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
         """Declare what it takes; a subclass adds its own."""
         add_arguments(parser, cls.does or cls.name, cls.result)
+
+    @classmethod
+    def reads(cls) -> Collection[str]:
+        """Of files in folders, those that end so are taken."""
+        return importable()
+
+    def targets(self, source: Path) -> list[Path]:
+        """The file and the picture that are written for an input."""
+        return [path for path in outputs(self.choices, source) if path is not None]
 
     def complaint(self) -> str | None:
         """What is wrong with the arguments together; a subclass looks at its own."""
@@ -82,7 +94,7 @@ class Verb(Command):
         self.file, shot = outputs(self.choices, source)
         for target in filter(None, (self.file, shot)):
             ensure_writable(target.absolute())
-        self.read = load(source.absolute())
+        self.read = self.load(source.absolute())
         objects = _named(names) if names else self.choose()
         entry.read = _described(self.read)
         distinct = list({obj.data: obj for obj in reversed(objects)}.values())[::-1]
@@ -104,6 +116,10 @@ class Verb(Command):
             entry.picture = str(shot)
             say(f"{source}: wrote {shot}")
 
+    def load(self, source: Path) -> Source:
+        """Read an input; raises Refusal or RuntimeError."""
+        return load(source)
+
     def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Treat objects that do not share meshes, as they are in the current frame."""
         freeze(self.read, "")
@@ -112,14 +128,14 @@ class Verb(Command):
     def write(self, only: Sequence[bpy.types.Object] | None) -> str | list[str]:
         """Write the file, or one for each frame if it cannot play them, and tell the names."""
         asked = self.choices.frames
-        if asked is None or plays(self.file):
+        if asked is None or plays(self.file, is_remeshed=self.is_remeshed):
             save(self.file.absolute(), only, self.read)
             return str(self.file)
         written = []
         scene = bpy.context.scene
         with kept(scene):
             for frame in visited(scene, frames_of(asked, self.read)):
-                path = self.file.with_stem(f"{self.file.stem}_{frame:04d}")
+                path = numbered(self.file, frame)
                 save(path.absolute(), only, self.read)
                 written.append(str(path))
         return written

@@ -10,7 +10,6 @@ from . import (
     panel,
     pick_operator,
     rig_operator,
-    verb,
     versions,
 )
 
@@ -24,7 +23,7 @@ FILES = (
     pick_operator,
     panel,
 )
-VERBS = (verb.Deform,)
+VERBS = ("Deform",)
 START = (overlay.start,)
 LOADED = (versions.keep_algorithms,)
 FORGET = (live_operator.end, pick_operator.end, overlay.forget)

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from spectral_tv.notes import note
 
+from ..scene.attribute_band import has_bands
 from ..scene.contents import digest
 from ..scene.names import free_name, taken_names
 from ..scene.temporary import Temporary
@@ -220,10 +221,11 @@ def _add_group(obj: bpy.types.Object, name: str, weights: np.ndarray) -> None:
 
 
 def _add_modifier(obj: bpy.types.Object, armature: bpy.types.Object) -> None:
-    """Add the modifier before all others: it takes the place of a shape key."""
+    """Add the modifier before all others, but for those of bands: it takes the place of a key."""
     modifier = obj.modifiers.new("Rig", "ARMATURE")
     modifier.object = armature
     place = 0
-    while obj.modifiers[place].type == "MULTIRES":  # stays first
+    # Multiresolution stays first, and so do bands, which act at rest.
+    while obj.modifiers[place].type == "MULTIRES" or has_bands(obj.modifiers[place]):
         place += 1
     obj.modifiers.move(len(obj.modifiers) - 1, place)

@@ -4,12 +4,12 @@ from typing import Any
 
 import bpy
 from bpy.props import IntProperty
+from spectral_tv.command_line.frames import every
+from spectral_tv.jobs.steps import Steps
 from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
 from ..job.progress import cursor_progress
-from ..job.steps import Steps
-from ..scene.frames import every
 from . import baking
 from .deform import follow_refusal
 

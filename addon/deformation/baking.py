@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 
 import bpy
 import numpy as np
+from spectral_tv.deformation.solvers import Follower, Solved, follow_complaint, follower_of
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
@@ -15,7 +16,6 @@ from ..scene.whole import whole
 from . import results
 from .constraints import deformation_of, followed_by
 from .deform import Deformable, is_same_metric, metric_of
-from .solvers import Follower, Solved, follow_complaint, follower_of
 
 
 def prepare(
@@ -46,7 +46,7 @@ def prepare(
                 note(f"its scale is animated: lengths are those of frame {first}")
             progress(len(targets) / len(frames))
     deformable.note_turning(obj, targets, settings.algorithm)
-    return deformable, targets, follower_of(obj, deformable.grips, settings)
+    return deformable, targets, follower_of(deformable.grips.held(obj), settings)
 
 
 def write(

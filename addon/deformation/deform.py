@@ -6,6 +6,8 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.deformation.settings import Settings
+from spectral_tv.deformation.solvers import Solver, follow_complaint, solver_of
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
@@ -14,9 +16,8 @@ from ..scene.places import kept_up
 from ..scene.surface import Surface
 from . import results, turning
 from .additions import note_additions
-from .constraints import FIRST_STEPS, Settings, deformation_of, followed_by, sharing
+from .constraints import FIRST_STEPS, deformation_of, followed_by, sharing
 from .grips import Grips
-from .solvers import Solver, follow_complaint, solver_of
 
 # Of lengths, a change that is not seen.
 SAME_METRIC = 1e-3
@@ -114,7 +115,7 @@ def prepare(
         deformable = Deformable.read(obj, replaced)
         targets = deformable.grips.targets(obj)
     deformable.note_turning(obj, [targets], settings.algorithm)
-    return deformable, targets, solver_of(obj, deformable.grips, settings)
+    return deformable, targets, solver_of(deformable.grips.held(obj), settings)
 
 
 def write(obj: bpy.types.Object, displacement: np.ndarray) -> None:

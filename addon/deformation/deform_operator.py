@@ -2,12 +2,13 @@
 
 import bpy
 import numpy as np
+from spectral_tv.deformation.settings import algorithm_for
+from spectral_tv.deformation.solvers import Solved, Solver
+from spectral_tv.jobs.steps import Steps
 
 from ..job.operator import JobOperator
-from ..job.steps import Steps
-from .constraints import DeformationChoices, algorithm_for, deformation_of
+from .constraints import DeformationChoices, deformation_of
 from .deform import Deformable, deform_refusal, prepare, write
-from .solvers import Solved, Solver
 
 # What was read of the object, the targets of its grips, and what solves for them.
 Prepared = tuple[Deformable, np.ndarray, Solver]

@@ -9,9 +9,10 @@ from functools import cached_property
 
 import bpy
 import numpy as np
+from spectral_tv.deformation.held import Held
+from spectral_tv.means import means
 from spectral_tv.refusal import Refusal
 
-from ..scene.arrays import means
 from ..scene.surface import Surface
 from .constraints import identified
 from .handles import Handles
@@ -63,6 +64,10 @@ class Grips:
     def rest(self) -> np.ndarray:
         """Where they are, in the space of the surface, (K, 3)."""
         return self.surface.mesh.vertices[self.indices]
+
+    def held(self, obj: bpy.types.Object) -> Held:
+        """The same for a solver."""
+        return Held(self.surface.mesh, self.indices, self.weights, lambda: self.bodies(obj))
 
     def targets(self, obj: bpy.types.Object) -> np.ndarray:
         """Where they go now, in the space of the surface, (K, 3).

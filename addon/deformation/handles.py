@@ -6,16 +6,13 @@ from functools import cached_property
 
 import bpy
 import numpy as np
-from spectral_tv.notes import note
+from spectral_tv.deformation.held import constraining, note_soft_pin
 from spectral_tv.refusal import Refusal
 
 from ..scene.coordinates import basis_coordinates
 from ..scene.shape_keys import key_shape
 from ..scene.weights import group_named, members
 from .constraints import identified
-
-# Painted weights reach 1 and 0 but for rounding.
-EXACT, NOTHING = 0.999, 1e-3
 
 
 @dataclass(frozen=True)
@@ -50,11 +47,8 @@ class Handles:
             found, weight = weights[constraint.vertex_group]
             if not len(found):
                 raise Refusal(f"the vertex group {constraint.vertex_group!r} is empty")
-            if constraint.kind == "PIN" and weight.max() < 1:
-                note(
-                    f"no vertex of the pin {constraint.vertex_group!r} has the weight 1, it gives "
-                    f"way: the largest is {weight.max():.2g}"
-                )
+            if constraint.kind == "PIN":
+                note_soft_pin(constraint.vertex_group, weight)
             indices.append(found)
             values.append(weight)
             owners.append(np.full(len(found), owner))
@@ -95,7 +89,6 @@ def group_weights(
     """Vertices of vertex groups and their weights in (0, 1], by the groups' names."""
     found = {}
     for name, (vertices, weights) in members(obj, groups).items():
-        is_in = weights > NOTHING
-        rounded = np.where(weights >= EXACT, 1.0, weights.astype(np.float64))
-        found[name] = vertices[is_in].astype(np.int64), rounded[is_in]
+        is_in, rounded = constraining(weights)
+        found[name] = vertices[is_in].astype(np.int64), rounded
     return found

@@ -6,10 +6,12 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.deformation.contact import Contact
+from spectral_tv.deformation.solvers import follower_of
+from spectral_tv.jobs.steps import Steps
 from spectral_tv.options.declaring import in_force
 from spectral_tv.refusal import Refusal
 
-from ..job.steps import Steps
 from ..scene.contents import digest
 from ..scene.coordinates import coordinates
 from ..scene.modifiers import symmetries
@@ -17,10 +19,8 @@ from ..scene.places import is_kept_up
 from ..scene.surface import Reading
 from . import results
 from .constraints import deformation_of, followed_by, identified
-from .contact import Contact
 from .deform import Deformable, follow_refusal, is_same_metric, metric_of
 from .handles import group_weights
-from .solvers import follower_of
 
 # So often a rough answer is drawn before the exact one is worked out.
 MOST_ROUGH = 20
@@ -114,7 +114,7 @@ class LiveDeformation:
         self._check_kept_up(obj)
         deformable = Deformable.read(obj)
         deformable.grips.targets(obj)
-        self._follower = follower_of(obj, deformable.grips, self._settings)
+        self._follower = follower_of(deformable.grips.held(obj), self._settings)
         self._deformable = deformable
 
     def _take_settings(self, obj: bpy.types.Object) -> None:

@@ -1,6 +1,7 @@
 """The panel that deforms the active mesh, with its sub-panels."""
 
 import bpy
+from spectral_tv.deformation.settings import TURNING, label_of
 
 from ..drawing.sidebar import Sidebar, say
 from ..drawing.work import MeshPanel, draw_button, draw_fault
@@ -134,8 +135,8 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
                     label = f"Turn {constraint.vertex_group} with Handle"
                     column.prop(constraint, "turns", text=label, toggle=True, translate=False)
             return
-        for algorithm in constraints.TURNING:
-            label = f"Take {constraints.label_of(algorithm)}"
+        for algorithm in TURNING:
+            label = f"Take {label_of(algorithm)}"
             column.prop_enum(deformation, "algorithm", algorithm, text=label)
 
     @staticmethod

@@ -5,15 +5,15 @@ from typing import Any
 
 import bpy
 import numpy as np
+from spectral_tv.deformation.solvers.pose import Posing
+from spectral_tv.jobs.steps import Steps
 from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
-from ..job.steps import Steps
 from . import armature, results
 from .bones import bones_of, unlikeness
 from .constraints import deformation_of
 from .deform import Deformable, deform_refusal, is_same_metric, metric_of, prepare
-from .solvers.pose import Posing
 
 # What was read of the object, the targets of its grips, and what poses it.
 Prepared = tuple[Deformable, np.ndarray, Posing]

@@ -8,16 +8,10 @@ import math
 
 import bpy
 import numpy as np
+from spectral_tv.deformation.settings import ALGORITHMS, TURNING, label_of
 from spectral_tv.refusal import Refusal
 
-from .constraints import (
-    ALGORITHMS,
-    TURNING,
-    SpectralTVConstraint,
-    deformation_of,
-    identified,
-    label_of,
-)
+from .constraints import SpectralTVConstraint, deformation_of, identified
 
 # Degrees, and the part of a size, below which nobody sees it.
 NOTICED, NOTICED_GROWTH = 5.0, 0.03

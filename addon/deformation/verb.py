@@ -4,10 +4,14 @@ import argparse
 from collections.abc import Container, Iterable, Sequence
 
 import bpy
-import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
+from spectral_tv.command_line.frames import METAVAR, frames_argument
 from spectral_tv.command_line.progress import progress, say
+from spectral_tv.deformation.parts import add_parts, complaint_of_parts, imply_algorithm
+from spectral_tv.deformation.regions import Region
+from spectral_tv.deformation.settings import Settings
+from spectral_tv.deformation.solvers import follow_complaint
 from spectral_tv.notes import listed, note
 from spectral_tv.options.arguments import add_arguments as add_options
 from spectral_tv.options.arguments import complaint
@@ -15,18 +19,17 @@ from spectral_tv.options.declaring import options_of
 from spectral_tv.refusal import Refusal
 
 from ..command_line.formats import BLEND
-from ..command_line.frames import frames_argument, plays
+from ..command_line.frames import plays
 from ..command_line.verb import Verb
 from ..scene.animation import travel
 from ..scene.objects import refusal
 from ..scene.surface import Reading
 from ..scene.touching import touching
 from . import baking, constraints
-from .constraints import Settings, algorithm_for, deformation_of
+from .constraints import deformation_of
 from .deform import prepare, write
 from .empties import constrain
-from .regions import Region, group_of
-from .solvers import follow_complaint
+from .regions import group_of
 
 
 class Deform(Verb):
@@ -61,34 +64,14 @@ each frame."""
         """Declare what moves, and how the others follow."""
         super().add_arguments(parser)
         add = parser.add_argument
-        add(
-            "--pin",
-            metavar="WHERE",
-            dest="pins",
-            action="append",
-            default=[],
-            help="hold this part where it is; repeatable",
-        )
-        add(
-            "--move",
-            metavar="WHERE:DX,DY,DZ",
-            dest="moves",
-            type=_move,
-            action="append",
-            default=[],
-            help="move this part by an offset in the world; repeatable. With --pin in place of the "
-            "constraints in the file",
-        )
-        add(
-            "--unturned",
-            action="store_true",
-            help="what --move moves keeps the way it faces; with --algorithm pose. Otherwise it is "
-            "free to turn",
+        add_parts(
+            parser,
+            "the world; repeatable. With --pin in place of the constraints in the file",
         )
         add_options(parser, Settings, of_object=True)
         add(
             "--frames",
-            metavar="START-END[:STEP]",
+            metavar=METAVAR,
             type=frames_argument,
             help="a shape key for each of these frames and the last one, played in turn as the "
             "handles move; those of --move go their way from the first to the last. With = where "
@@ -101,14 +84,10 @@ each frame."""
         choices, reason = self.choices, super().complaint()
         if reason is not None:
             return reason
-        if choices.pins and not choices.moves:
-            return "--pin alone moves nothing; add --move"
-        if choices.unturned and not choices.moves:
-            return "--unturned goes with --move"
-        if choices.algorithm is None:
-            given = [name for name in options_of(Settings) if getattr(choices, name) is not None]
-            implied = algorithm_for(given)
-            choices.algorithm = None if implied is None else implied.lower()
+        reason = complaint_of_parts(choices)
+        if reason is not None:
+            return reason
+        imply_algorithm(choices)
         reason = complaint(choices, Settings, self.asked)
         if reason is None and choices.frames is not None and choices.algorithm is not None:
             is_still = follow_complaint(self.asked.algorithm) is not None
@@ -231,15 +210,3 @@ def _deform(obj: bpy.types.Object, label: str) -> str:
         solved = solver.start(targets).result(show)
     write(obj, deformable.displacement(solved.result))
     return solver.message(solved)
-
-
-def _move(text: str) -> tuple[str, tuple[float, ...]]:
-    where, _, numbers = text.rpartition(":")  # names may have colons
-    try:
-        offset = tuple(float(number) for number in numbers.split(","))
-    except ValueError:
-        offset = ()
-    if not where.strip() or len(offset) != 3 or not np.isfinite(offset).all():
-        message = f"{text!r} is not WHERE:DX,DY,DZ, such as 'z>90%:0,0,0.5'"
-        raise argparse.ArgumentTypeError(message)
-    return where, offset

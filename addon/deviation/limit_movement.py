@@ -1,6 +1,7 @@
 """The operator that holds a look within a limit."""
 
 import bpy
+from spectral_tv.bands.limits import LimitSettings
 from spectral_tv.notes import listed, note
 
 from ..bands import limiting
@@ -13,7 +14,7 @@ from ..scene.records import all_bands_of, records_of
 
 
 class SPECTRAL_TV_OT_limit_movement(
-    BandsOperator, choices_of(limiting.LimitSettings, "limit"), bpy.types.Operator
+    BandsOperator, choices_of(LimitSettings, "limit"), bpy.types.Operator
 ):
     """Hold the bands of all decompositions back where they move a vertex by more than a limit, at
     their present values. The share of each vertex is a mask of the bands. A limit of 0 takes that
@@ -46,7 +47,7 @@ class SPECTRAL_TV_OT_limit_movement(
         found = limiting.limit(obj, bands, asked, records)
         if found is None:
             return "nothing is held back"
-        return found.told()
+        return found.told(lengths.told)
 
 
 def deviation_refusal(obj: bpy.types.Object | None) -> str | None:

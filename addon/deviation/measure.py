@@ -5,12 +5,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 from bpy.props import StringProperty
+from spectral_tv.bands.limits import LimitSettings
 from spectral_tv.files.whole import NotWritten, write_text
 from spectral_tv.refusal import Refusal
 
 from ..bands import figures
 from ..bands.deviation import Deviation
-from ..bands.limiting import LimitSettings
 from ..bands.set_bands import BandsOperator
 from ..options.properties import choices_of
 from ..scene import results

@@ -2,8 +2,8 @@
 
 import bpy
 from bpy.props import FloatProperty
+from spectral_tv.bands.limits import LimitSettings
 
-from ..bands.limiting import LimitSettings
 from ..options.properties import choices_of
 
 

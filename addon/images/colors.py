@@ -14,10 +14,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 from spectral_tv.files.srgb import decoded, encoded
+from spectral_tv.images.encoding import SRGB
 
 from ..scene.temporary import Temporary
 
-SRGB = "sRGB"
 # What its conversions by Blender may be off by; it has fast ones, good for 8 bits.
 NEAR = 1e-3
 # How a file is written that keeps floats as they are.

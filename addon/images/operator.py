@@ -3,12 +3,13 @@
 import bpy
 import spectral_tv
 from bpy.props import StringProperty
+from spectral_tv.images.bands import Prepared, prepare
+from spectral_tv.images.flows import STILL, Still
 from spectral_tv.refusal import Refusal
 
+from ..bands import filter_curve
 from ..job.operator import JobOperator
 from . import results, sources
-from .bands import Prepared, prepare
-from .flows import STILL, Still
 from .properties import ImageChoices
 
 
@@ -56,7 +57,7 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator)
         return image
 
     def prepare(self, image: bpy.types.Image) -> Prepared:
-        return prepare(sources.read(image), self.settings())
+        return prepare(sources.read(image), self.settings(), filter_curve.current())
 
     def recall(self, prepared: Prepared) -> Still | None:
         return STILL if prepared.request.is_still else None

@@ -2,11 +2,11 @@
 
 import bpy
 from bpy.props import CollectionProperty, PointerProperty, StringProperty
+from spectral_tv.images.settings import Settings
 
 from ..bands.filtering import SidebarFilter
 from ..options.properties import choices_of
 from ..scene.documents import SpectralTVDocument
-from .settings import Settings
 
 # What is split, in what sizes, the filter, how.
 ImageChoices = choices_of(Settings, "what", "sizes bands", "filter", "exact steps")

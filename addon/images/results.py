@@ -5,12 +5,12 @@ from collections.abc import Collection
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.images.bands import Prepared
+from spectral_tv.images.flows import Still
+from spectral_tv.images.pixels import Pixels
 from spectral_tv.notes import note
 
 from ..scene.documents import images_of, remember_image
-from .bands import Prepared
-from .flows import Still
-from .pixels import Pixels
 
 BAND, REST, FILTERED = "Band", "Rest", "Filtered"
 # Bytes that the names of images may have in all versions.

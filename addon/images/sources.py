@@ -2,12 +2,12 @@
 
 import bpy
 import numpy as np
+from spectral_tv.images.pixels import Pixels
 
 from ..scene.contents import digest
 from ..scene.temporary import Temporary
 from . import colors
 from .colors import Kind
-from .pixels import Pixels
 
 # Why images of other sources and types are not worked on.
 OTHERS = {

@@ -6,13 +6,13 @@ from typing import TypeVar
 
 import bpy
 import spectral_tv
+from spectral_tv.jobs.steps import Work
 from spectral_tv.refusal import Refusal
 
 from ..scene.contents import digest, topology_digest
 from ..scene.coordinates import basis_coordinates
 from ..scene.objects import distinct_meshes, refusal
 from . import faults
-from .steps import Work
 
 T = TypeVar("T")
 

@@ -10,12 +10,13 @@ from typing import Any
 import bpy
 import spectral_tv
 from bpy.props import FloatProperty
+from spectral_tv.jobs.steps import Work
 from spectral_tv.notes import gathered
 from spectral_tv.refusal import Refusal
 
 from ..scene.objects import refusal
 from . import faults, jobs, timers
-from .jobs import Work, state_of
+from .jobs import state_of
 from .progress import cursor_progress, redraw_sidebars
 
 # Seconds between two looks at the job; Esc is an event of its own and does not wait for them.
@@ -234,7 +235,7 @@ class JobOperator(Refusing):
             return {"CANCELLED"}
         try:
             result = running.job.result()
-        except (spectral_tv.MeshError, RuntimeError, MemoryError) as error:
+        except (*REFUSALS, RuntimeError) as error:
             return self.refuse(error, obj)
         return self._finish(obj, prepared, result)
 

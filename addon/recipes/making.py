@@ -10,16 +10,18 @@ from typing import Any
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.bands.guard import STRETCH
+from spectral_tv.bands.limits import Limited
 from spectral_tv.bands.settings import Settings
+from spectral_tv.jobs.steps import Steps
 from spectral_tv.notes import listed, note
 
 from ..bands import limiting
 from ..bands.adding import Part, add_bands
 from ..bands.bands import prepare_together, recall, set_values, start_split
 from ..bands.clamping import least_of_copies
-from ..bands.guard import STRETCH
+from ..bands.properties import sidebar_kind
 from ..bands.replacing import check_replaced, replaced_identifiers
-from ..job.steps import Steps
 from ..scene import lengths, results
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.records import activate, bands_of, record_of, records_of
@@ -64,6 +66,8 @@ class Making:
     replaced: list[str]
     # How far a vertex may be moved, in the scene's unit; 0 is no limit.
     limit: float = 0.0
+    # The decomposition, where it is one of several frames.
+    split: spectral_tv.Decomposition | None = None
 
     @classmethod
     def prepare(
@@ -76,7 +80,7 @@ class Making:
         """Read the objects; raises Refusal or spectral_tv.MeshError if that cannot be done."""
         former = [_former(obj, recipe) for obj in objects]
         into = "REPLACE" if all(former) else "ADD"
-        settings, noise = replace(recipe.settings, into=into), None
+        settings, noise = replace(recipe.settings, into=into, bands_as=sidebar_kind()), None
         with Temporary() as temporary:
             for obj, record in zip(objects, former, strict=True):
                 if into == "REPLACE":
@@ -96,18 +100,21 @@ class Making:
 
     def recall(self) -> Made | None:
         """What is made, if that is known without work."""
-        split = recall(self.surfaces[0], self.arguments)
+        split = self._known()
         if split is None:
             return None
         bands, values = self._dialled(split)
         return None if _added(bands, values).any() else self._made(split, bands, values)
+
+    def _known(self) -> spectral_tv.Decomposition | None:
+        return self.split or recall(self.surfaces[0], self.arguments)
 
     def start(self) -> Steps[Made]:
         """Decompose, and hold back what would fold."""
         mesh = self.surfaces[0].mesh
 
         def steps() -> Iterator:
-            split = recall(self.surfaces[0], self.arguments)
+            split = self._known()
             if split is None:
                 split = yield start_split(mesh, self.settings, self.arguments), FLOW
             bands, values = self._dialled(split)
@@ -143,7 +150,7 @@ class Making:
         found = f"; {made.told}" if made.told else ""
         return f"{self.recipe.name} at {self.strength:g}{found}; {done}"
 
-    def hold(self, objects: Sequence[bpy.types.Object]) -> list[limiting.Limited]:
+    def hold(self, objects: Sequence[bpy.types.Object]) -> list[Limited]:
         """Hold what was written within the limit, of each object; tells nothing without one."""
         found = []
         for obj in objects:

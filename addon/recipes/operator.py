@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 import bpy
+from spectral_tv.jobs.steps import Steps
 from spectral_tv.notes import note
 
 from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
-from ..job.steps import Steps
+from ..scene import lengths
 from ..scene.objects import selected_meshes
 from . import own
 from .making import Made, Making
@@ -57,4 +58,6 @@ class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
     def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Made) -> str:
         objects = all_unchanged([prepared.seen])
         done = prepared.making.write(objects, result)
-        return "; ".join([*(each.told() for each in prepared.making.hold(objects)), done])
+        return "; ".join(
+            [*(each.told(lengths.told) for each in prepared.making.hold(objects)), done]
+        )

@@ -32,7 +32,12 @@ KIND, VERSION = "Spectral TV recipe", 1
 MOST = 100_000
 LONGEST = 60
 # What is of an object or of a session, and of no recipe.
-USUAL = {"vertex_group": "", "into": Settings.into}
+USUAL = {
+    "vertex_group": "",
+    "into": Settings.into,
+    "bands_as": Settings.bands_as,
+    "heights": Settings.heights,
+}
 
 
 def names() -> list[str]:

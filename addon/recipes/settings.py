@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from spectral_tv.bands.limits import limit_option
 from spectral_tv.options.declaring import name_of, number
 
-from ..bands.limiting import limit_option
 from . import own
 
 

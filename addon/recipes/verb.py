@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 from spectral_tv.command_line.progress import progress
@@ -13,6 +14,7 @@ from ..bands import figures
 from ..bands.apply_argument import add_apply, apply_each, complaint_of_apply
 from ..bands.held import Held
 from ..bands.shapes import told_groups
+from ..bands.split_frames import SplitFrames
 from ..command_line.frames_verb import FramesVerb
 from ..scene.records import all_bands_of, bands_of
 from . import own
@@ -65,6 +67,7 @@ formats hold the shape that is seen."""
     def treat_all(self, objects: list[bpy.types.Object]) -> None:
         """Give objects the look, as they are or in frames."""
         self._held = Held(self.choices)
+        self._frames = SplitFrames(own.find(self.asked.recipe).settings)
         super().treat_all(objects)
         self._held.note_frames()
 
@@ -72,6 +75,10 @@ formats hold the shape that is seen."""
         """Give objects the look."""
         asked = self.asked
         making = Making.prepare(objects, own.find(asked.recipe), asked.strength, asked.limit)
+        if self.choices.frames is not None:
+            with progress(label) as show:
+                found = self._frames.split(objects, making.surfaces, making.arguments, show)
+            making = replace(making, surfaces=found[0], split=found[1])
         made = making.recall()
         if made is None:
             with progress(label) as show:

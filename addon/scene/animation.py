@@ -8,7 +8,7 @@ from mathutils import Vector
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
-from .channels import Animated, actions_of, insert_keyframe, key_path, remove_channels
+from .channels import Animated, animation_at, insert_keyframe, is_of, key_path, remove_channels
 from .frames import curve_time
 
 
@@ -51,7 +51,7 @@ def as_before(obj: bpy.types.Object) -> Iterator[None]:
             raise
         for key in keys.key_blocks:
             if key.name not in names:
-                remove_channels(keys, key)
+                remove_channels(keys, is_of(key))
         if animation is None:
             keys.animation_data_clear()
         elif animation.action != action:
@@ -77,7 +77,7 @@ def play_in_turn(
     for index, (key, frame) in enumerate(zip(keys, frames, strict=True)):
         for other in frames[max(index - 1, 0) : index + 2]:
             key.value = 1.0 if other == frame else 0.0
-            if not insert_keyframe(key, "value", curve_time(scene, other)):
+            if not insert_keyframe(data, key_path(key, "value"), curve_time(scene, other)):
                 raise Refusal(f"Blender inserted no keyframe of {key.name!r}")
         animation = data.animation_data
         _make_linear(Animated(animation, animation.action).curves.find(key_path(key, "value")))
@@ -94,12 +94,7 @@ def travel(obj: bpy.types.Object, places: Sequence[Vector], frames: Sequence[int
 
 def animation_of(key: bpy.types.ShapeKey, name: str) -> str:
     """How a property of a key is animated, "keyed" or "driven"; nothing if it is not."""
-    keys, path = key.id_data, key_path(key, name)
-    if keys.animation_data is not None and keys.animation_data.drivers.find(path) is not None:
-        return "driven"
-    curves = [animated.curves for animated in actions_of(keys)]
-    found = any(each is not None and each.find(path) is not None for each in curves)
-    return "keyed" if found else ""
+    return animation_at(key.id_data, key_path(key, name))
 
 
 def _have_own_action(keys: bpy.types.Key) -> None:

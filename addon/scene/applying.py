@@ -13,6 +13,7 @@ from spectral_tv.refusal import Refusal
 from . import results
 from .applied import mesh_of
 from .arrays import numbers
+from .attribute_band import has_bands
 from .contents import digest, topology_digest
 from .coordinates import coordinates
 from .temporary import Temporary
@@ -66,6 +67,8 @@ def farthest(before: np.ndarray, after: np.ndarray) -> float:
 def _why_not(obj: bpy.types.Object, modifier: bpy.types.Modifier | None) -> str:
     if modifier is None:
         return "does not exist"
+    if has_bands(modifier):
+        return "has bands, which Apply Look applies"
     if not modifier.show_viewport:
         return "is disabled in the viewport"
     if modifier.type in SIMULATIONS:

@@ -1,6 +1,6 @@
-"""What animates shape keys: F-curves in the action and in NLA strips, and drivers."""
+"""What animates shape keys and others: F-curves in the action and in NLA strips, and drivers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -65,18 +65,15 @@ def actions_of(data: bpy.types.ID) -> list[Animated]:
     return [Animated(user, user.action) for user in (animation, *strips) if user.action is not None]
 
 
-def own_actions(
-    keys: bpy.types.Key, moved: Sequence[bpy.types.ShapeKey], whose: str
-) -> list[Animated]:
-    """The actions with curves of some of the shape keys, each of them the block's own.
+def own_actions(block: bpy.types.ID, is_moved: Callable[[str], bool], whose: str) -> list[Animated]:
+    """The actions with curves of some of the paths of a data-block, each of them the block's own.
 
     Those of other files, and those that animate others too, are copied, which is noted.
     """
-    paths = tuple(key_path(key) for key in moved)
     found: dict[tuple[int, int], Animated] = {}
-    for animated in actions_of(keys):
+    for animated in actions_of(block):
         curves = animated.curves
-        if curves is None or not any(each.data_path.startswith(paths) for each in curves):
+        if curves is None or not any(is_moved(each.data_path) for each in curves):
             continue
         own, name = animated, animated.action.name
         if animated.action.library is not None:
@@ -107,30 +104,60 @@ def key_path(key: bpy.types.ShapeKey, name: str = "") -> str:
     return f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].{name}'
 
 
-def insert_keyframe(key: bpy.types.ShapeKey, name: str, frame: float) -> bool:
-    """Insert a keyframe for a property of a shape key, and tell whether Blender did."""
-    animation = key.id_data.animation_data
+def is_of(key: bpy.types.ShapeKey) -> Callable[[str], bool]:
+    """What tells whether a path is to a property of a key."""
+    beginning = key_path(key)
+    return lambda path: path.startswith(beginning)
+
+
+def animation_at(block: bpy.types.ID, path: str) -> str:
+    """How a property of a data-block is animated, "keyed" or "driven"; nothing if it is not."""
+    if block.animation_data is not None and block.animation_data.drivers.find(path) is not None:
+        return "driven"
+    curves = [animated.curves for animated in actions_of(block)]
+    found = any(each is not None and each.find(path) is not None for each in curves)
+    return "keyed" if found else ""
+
+
+def insert_keyframe(block: bpy.types.ID, path: str, frame: float) -> bool:
+    """Insert a keyframe for a property of a data-block, and tell whether Blender did."""
+    animation = block.animation_data
     action = None if animation is None else animation.action
     if action is not None and action.library is not None:  # Blender 4 would, and not save it
         return False
     try:
-        return key.keyframe_insert(name, frame=frame)
+        return block.keyframe_insert(path, frame=frame)
     except RuntimeError:
         return False
 
 
-def remove_channels(keys: bpy.types.Key, key: bpy.types.ShapeKey) -> None:
-    """Remove the curves and drivers of all properties of a key; those of linked actions stay."""
-    beginning = key_path(key)
-    for animated in actions_of(keys):
+def remove_channels(block: bpy.types.ID, is_gone: Callable[[str], bool]) -> None:
+    """Remove the curves and drivers of some paths; those of linked actions stay."""
+    for animated in actions_of(block):
         if animated.curves is not None and animated.action.library is None:
-            _remove(animated.curves, beginning)
-    if keys.animation_data is not None:
-        _remove(keys.animation_data.drivers, beginning)
+            _remove(animated.curves, is_gone)
+    if block.animation_data is not None:
+        _remove(block.animation_data.drivers, is_gone)
 
 
-def _remove(curves: bpy.types.bpy_prop_collection, beginning: str) -> None:
-    for curve in [each for each in curves if each.data_path.startswith(beginning)]:
+def drop_empty_action(block: bpy.types.ID | None) -> None:
+    """Have a data-block play no action that has nothing for it any more."""
+    animation = getattr(block, "animation_data", None)
+    action = None if animation is None else animation.action
+    if action is None or action.library is not None or Animated(animation, action).curves:
+        return
+    slot = getattr(animation, "action_slot", None)
+    animation.action = None
+    if action.users == action.use_fake_user:
+        bpy.data.actions.remove(action)
+    elif slot is not None and not slot.users():
+        action.slots.remove(slot)
+    if not animation.drivers and not animation.nla_tracks:
+        block.animation_data_clear()
+
+
+def _remove(curves: bpy.types.bpy_prop_collection, is_gone: Callable[[str], bool]) -> None:
+    for curve in [each for each in curves if is_gone(each.data_path)]:
         curves.remove(curve)
 
 

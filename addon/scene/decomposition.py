@@ -11,7 +11,6 @@ import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
 from .fingerprints import Fingerprint
-from .keeping import USUAL
 
 
 class SpectralTVBand(Fingerprint, bpy.types.PropertyGroup):
@@ -39,6 +38,11 @@ class SpectralTVSample(bpy.types.PropertyGroup):
     time: FloatProperty(name="Time", description="Length²")
     strength: FloatProperty(name="Strength", description="Length³")
 
+
+# What of a band's name comes after that of its decomposition.
+LABEL = " Band "
+# Where bands are unless a record says otherwise.
+USUAL = "KEYS"
 
 # What follows a record that is named. Each is called with the record.
 NAMED: list[Callable[["SpectralTVRecord"], None]] = []

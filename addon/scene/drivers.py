@@ -50,8 +50,35 @@ def readers(mesh: bpy.types.Mesh, names: Collection[str]) -> list[str]:
         read = {bpy.utils.unescape_identifier(name) for name in KEY.findall(target.data_path)}
         is_own = driven.id_data == mesh.shape_keys and driven.data_path.startswith(tuple(own))
         if not is_own and not read.isdisjoint(names):
-            found[driven.id_data.name] = None
+            found[_told(driven.id_data)] = None
     return list(found)
+
+
+def path_readers(block: bpy.types.ID, paths: Collection[str]) -> list[str]:
+    """Names of the data-blocks with drivers that read paths of one, but for those at the paths."""
+    found = {}
+    for driven, target in reading([block]):
+        is_own = driven.id_data == block and driven.data_path in paths
+        if not is_own and target.data_path in paths:
+            found[_told(driven.id_data)] = None
+    return list(found)
+
+
+def _told(block: bpy.types.ID) -> str:
+    """What a user calls it: shape keys by their mesh."""
+    return block.user.name if isinstance(block, bpy.types.Key) and block.user else block.name
+
+
+def retarget_paths(
+    block: bpy.types.ID, renamed: Mapping[str, str], other: bpy.types.ID, id_type: str = ""
+) -> None:
+    """Have drivers that read paths of a data-block read other ones, of another block."""
+    for _, target in [*reading([block])]:
+        path = renamed.get(target.data_path)
+        if path is not None:
+            if id_type:
+                target.id_type = id_type
+            target.id, target.data_path = other, path
 
 
 def _reading(mesh: bpy.types.Mesh) -> Iterator[tuple[bpy.types.FCurve, bpy.types.DriverTarget]]:
@@ -60,8 +87,15 @@ def _reading(mesh: bpy.types.Mesh) -> Iterator[tuple[bpy.types.FCurve, bpy.types
     Drivers are those of data-blocks and of their node trees.
     """
     keys = mesh.shape_keys
-    owners = {keys, mesh, *(obj for obj in bpy.data.objects if obj.data == mesh)}
-    users = {keys}.union(*bpy.data.user_map(subset=owners).values())
+    objects = {obj for obj in bpy.data.objects if obj.data == mesh}
+    yield from reading({mesh, *objects, *([] if keys is None else [keys])})
+
+
+def reading(
+    owners: Collection[bpy.types.ID],
+) -> Iterator[tuple[bpy.types.FCurve, bpy.types.DriverTarget]]:
+    """The drivers that read something of data-blocks, and the targets that are these."""
+    users = {*owners}.union(*bpy.data.user_map(subset={*owners}).values())
     for user in users:
         for owner in (user, getattr(user, "node_tree", None)):
             for driven in drivers_of(owner):

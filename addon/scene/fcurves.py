@@ -77,8 +77,10 @@ def add_curve(
     path: str,
     points: Sequence[Point],
     like: bpy.types.FCurve,
+    keeps_group: bool = True,
 ) -> bpy.types.FCurve:
-    """Add a curve of these keyframes that is shown, extrapolated and modified like another."""
+    """Add a curve of these keyframes that is shown, extrapolated and modified like another. It is
+    in the same channel group, unless it is of another action."""
     curve = curves.new(path, index=like.array_index)
     curve.keyframe_points.add(len(points))
     for made, point in zip(curve.keyframe_points, points, strict=True):
@@ -89,7 +91,7 @@ def add_curve(
             setattr(made, name, getattr(point, name))
     for name in ("extrapolation", "color_mode", "color", "mute", "hide", "lock", "auto_smoothing"):
         setattr(curve, name, getattr(like, name))
-    if like.group is not None:
+    if keeps_group and like.group is not None:
         curve.group = like.group
     for modifier in like.modifiers:
         _copy_modifier(modifier, curve.modifiers.new(modifier.type))

@@ -14,11 +14,6 @@ def curve_time(scene: bpy.types.Scene, frame: float) -> float:
     return frame * scene.render.frame_map_old / scene.render.frame_map_new
 
 
-def every(start: int, end: int, step: int) -> list[int]:
-    """Every ``step``-th frame from the first on, and the last one."""
-    return sorted({*range(start, end + 1, step), end})
-
-
 @contextmanager
 def kept(scene: bpy.types.Scene) -> Iterator[None]:
     """Go back to the present frame in the end."""
@@ -59,6 +54,15 @@ def _simulation_starts(scene: bpy.types.Scene) -> Iterator[int]:
                 yield scene.frame_start if cache is None else cache.frame_start
             elif modifier.type == "NODES" and _simulates(modifier.node_group):
                 yield scene.frame_start
+
+
+def depends_on_time(group: bpy.types.NodeTree | None) -> bool:
+    """Whether a node group asks for the frame."""
+    return group is not None and any(
+        node.bl_idname == "GeometryNodeInputSceneTime"
+        or depends_on_time(getattr(node, "node_tree", None))
+        for node in group.nodes
+    )
 
 
 def _simulates(group: bpy.types.NodeTree | None) -> bool:

@@ -5,20 +5,21 @@ from collections.abc import Collection, Iterator
 import bpy
 from spectral_tv.notes import listed
 
-from .mix import keys_of
+from .attribute_band import has_bands
+from .mix import Slider, sliders_of
 
 
-def keys_with(mesh: bpy.types.Mesh, name: str, but: Collection[str] = ()) -> list[str]:
-    """The shape keys that a vertex group masks, but for those of some names."""
-    keys = keys_of(mesh)
-    return [each for each, key in keys.items() if key.vertex_group == name and each not in but]
+def masked_by(obj: bpy.types.Object, name: str) -> list[Slider]:
+    """The shape keys and bands that a vertex group masks."""
+    return [each for each in sliders_of(obj) if each.vertex_group == name]
 
 
 def others_with(obj: bpy.types.Object, name: str) -> list[str]:
     """What else uses a vertex group of the mesh: modifiers, constraints, particles and such."""
     found = []
     for user in [each for each in bpy.data.objects if each.data == obj.data]:
-        owners = [*user.modifiers, *(each.settings for each in user.particle_systems)]
+        modifiers = [each for each in user.modifiers if not has_bands(each)]
+        owners = [*modifiers, *(each.settings for each in user.particle_systems)]
         found += [each.name for each in [*owners, *user.particle_systems] if _has(each, name)]
         if any(each.vertex_group == name for each in user.spectral_tv.constraints):
             found.append("a constraint of Deform")
@@ -28,7 +29,8 @@ def others_with(obj: bpy.types.Object, name: str) -> list[str]:
 
 def told(obj: bpy.types.Object, name: str, but: Collection[str] = ()) -> str:
     """What uses a vertex group beside some shape keys, as a user reads it; "" if nothing does."""
-    return listed([*keys_with(obj.data, name, but), *others_with(obj, name)])
+    names = [each.name for each in masked_by(obj, name) if each.name not in but]
+    return listed([*names, *others_with(obj, name)])
 
 
 def _has(owner: bpy.types.bpy_struct, name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Making a part of the mix of shape keys the shape itself."""
+"""Making a part of the mix of shape keys and bands the shape itself."""
 
 from collections.abc import Sequence
 
@@ -6,25 +6,23 @@ import bpy
 import numpy as np
 
 from .coordinates import coordinates
-from .shape_keys import remove_key
+from .keeping import PLACES, Band, place_of
+from .mix import keys_of
 
 
-def become(
-    obj: bpy.types.Object, displacement: np.ndarray, spent: Sequence[bpy.types.ShapeKey]
-) -> None:
-    """Move the mesh and all its shape keys by (V, 3), in object space, and remove those ``spent``.
+def become(obj: bpy.types.Object, displacement: np.ndarray, spent: Sequence[Band]) -> None:
+    """Move the mesh and all its shape keys by (V, 3), in object space, and remove bands ``spent``.
 
     The other keys move the vertices as before. If only Basis is left, it goes too, as Blender does
     more with a mesh that has no shape keys.
     """
     mesh = obj.data
-    for key in mesh.shape_keys.key_blocks:
+    for key in keys_of(mesh).values():
         _move(key.points, displacement)
     _move(mesh.vertices, displacement)
-    names = [key.name for key in spent]  # removing one gives the others another place in memory
-    for name in names:
-        remove_key(obj, mesh.shape_keys.key_blocks[name])
-    if len(mesh.shape_keys.key_blocks) == 1:
+    for place in PLACES.values():
+        place.remove(obj, [band for band in spent if place_of(band) == place])
+    if len(keys_of(mesh)) == 1:
         obj.shape_key_clear()
     mesh.update()
 

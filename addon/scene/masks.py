@@ -14,8 +14,8 @@ from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 
 from .contents import attribute_values
-from .group_users import keys_with, others_with, told
-from .mix import keys_of, mask
+from .group_users import masked_by, others_with, told
+from .mix import Slider, mask
 from .names import free_name, taken_names
 from .weights import add_group, set_weights
 
@@ -42,12 +42,12 @@ def sculpt_mask(mesh: bpy.types.Mesh) -> np.ndarray | None:
     return np.clip(attribute_values(attribute).astype(np.float64), 0, 1)
 
 
-def mask_group(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bpy.types.VertexGroup | None:
+def mask_group(obj: bpy.types.Object, key: Slider) -> bpy.types.VertexGroup | None:
     """The vertex group that masks a key; None without one, or if it is missing."""
     return obj.vertex_groups.get(key.vertex_group) if key.vertex_group else None
 
 
-def weights(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
+def weights(obj: bpy.types.Object, key: Slider) -> np.ndarray:
     """Those of the mask of a key, (V,); raises Refusal if it has none."""
     if mask_group(obj, key) is None:
         missing = f": there is no vertex group {key.vertex_group!r}" if key.vertex_group else ""
@@ -58,12 +58,10 @@ def weights(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
 def is_own(obj: bpy.types.Object, name: str) -> bool:
     """Whether a vertex group was made as a mask, and still is one."""
     kept = obj.data.spectral_tv.masks
-    return name in kept and name in obj.vertex_groups and bool(keys_with(obj.data, name))
+    return name in kept and name in obj.vertex_groups and bool(masked_by(obj, name))
 
 
-def give(
-    obj: bpy.types.Object, key: bpy.types.ShapeKey, found: np.ndarray
-) -> bpy.types.VertexGroup:
+def give(obj: bpy.types.Object, key: Slider, found: np.ndarray) -> bpy.types.VertexGroup:
     """Have a key have a mask of these weights, (V,), of its own.
 
     A former one of its own is written over, unless something else uses it too. Raises Refusal if it
@@ -85,13 +83,13 @@ def give(
     return group
 
 
-def choose(obj: bpy.types.Object, key: bpy.types.ShapeKey, group: bpy.types.VertexGroup) -> None:
+def choose(obj: bpy.types.Object, key: Slider, group: bpy.types.VertexGroup) -> None:
     """Have a vertex group be the mask of a key, as it is."""
     key.vertex_group = group.name
     _renew(obj)
 
 
-def remove(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> str:
+def remove(obj: bpy.types.Object, key: Slider) -> str:
     """Have a key act everywhere; returns what became of its mask.
 
     One of its own is removed, unless it is locked or something else uses it. Raises Refusal if it
@@ -111,7 +109,7 @@ def remove(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> str:
     return f"the vertex group {name!r} {'was removed' if goes else 'stays'}"
 
 
-def settle(obj: bpy.types.Object, keys: Sequence[bpy.types.ShapeKey]) -> None:
+def settle(obj: bpy.types.Object, keys: Sequence[Slider]) -> None:
     """Have keys that took masks over from others each have one of its own, named after it.
 
     Masks that were made as such and are none any more are noted, and stay as vertex groups.
@@ -129,7 +127,7 @@ def settle(obj: bpy.types.Object, keys: Sequence[bpy.types.ShapeKey]) -> None:
     release(obj)
 
 
-def fit_names(obj: bpy.types.Object, keys: Iterable[bpy.types.ShapeKey]) -> None:
+def fit_names(obj: bpy.types.Object, keys: Iterable[Slider]) -> None:
     """Have masks of keys that are their own follow the names of these, of the first if shared."""
     first: dict[str, str] = {}
     for key in keys:
@@ -142,13 +140,13 @@ def fit_names(obj: bpy.types.Object, keys: Iterable[bpy.types.ShapeKey]) -> None
         wanted[former] = free_name(stem, LABEL, taken)
         taken.add(wanted[former])
     changed = [(obj.vertex_groups[name], name) for name in wanted if wanted[name] != name]
-    masked = {name: keys_with(obj.data, name) for _, name in changed}
+    masked = {name: masked_by(obj, name) for _, name in changed}
     for group, former in changed:
         group.name = free_name(former, "", taken_names(obj, "GROUP"))  # to make room for others
     for group, former in changed:
         group.name = wanted[former]
-        for name in masked[former]:
-            keys_of(obj.data)[name].vertex_group = group.name
+        for key in masked[former]:
+            key.vertex_group = group.name
     kept = obj.data.spectral_tv.masks
     places = [(kept[former], wanted[former]) for _, former in changed]
     for place, name in places:
@@ -160,14 +158,14 @@ def release(obj: bpy.types.Object) -> None:
     left = [
         each.name
         for each in obj.data.spectral_tv.masks
-        if each.name in obj.vertex_groups and not keys_with(obj.data, each.name)
+        if each.name in obj.vertex_groups and not masked_by(obj, each.name)
     ]
     if left:
         note(f"no bands have these masks any more, which stay as vertex groups: {listed(left)}")
     _renew(obj)
 
 
-def _new(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> bpy.types.VertexGroup:
+def _new(obj: bpy.types.Object, key: Slider) -> bpy.types.VertexGroup:
     """A new vertex group, so far empty, that is remembered as the mask of a key."""
     group = add_group(obj, free_name(key.name, LABEL, taken_names(obj, "GROUP")))
     if group.name not in obj.data.spectral_tv.masks:
@@ -184,6 +182,6 @@ def _renew(obj: bpy.types.Object) -> None:
     obj.data.update_tag()
 
 
-def _tell_missing(key: bpy.types.ShapeKey, group: bpy.types.VertexGroup | None) -> None:
+def _tell_missing(key: Slider, group: bpy.types.VertexGroup | None) -> None:
     if key.vertex_group and group is None:
         note(f"the vertex group {key.vertex_group!r} that masked {key.name!r} is missing")

@@ -2,6 +2,8 @@
 
 import bpy
 
+from .attribute_band import has_bands
+
 # Types that move no vertex and change no face.
 HARMLESS = {
     "DATA_TRANSFER",
@@ -52,7 +54,7 @@ def symmetries(obj: bpy.types.Object) -> list[bpy.types.MirrorModifier]:
 
 
 def passed_over(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """The modifiers that are shown and change the shape, but for `symmetries`."""
+    """The modifiers that are shown and change the shape, but for `symmetries` and the bands'."""
     mirrors = symmetries(obj)
     return [
         modifier
@@ -60,9 +62,21 @@ def passed_over(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
         if modifier.show_viewport
         and modifier.type not in HARMLESS
         and modifier not in mirrors
+        and not has_bands(modifier)
         and not (modifier.type == "MULTIRES" and modifier.levels == 0)
         and not (modifier.type == "SUBSURF" and modifier.levels == 0)
         and not (modifier.type == "ARMATURE" and modifier.object is None)
+    ]
+
+
+def ahead_of_bands(obj: bpy.types.Object) -> list[str]:
+    """The modifiers that change the shape before those of bands do, which so do not act at rest."""
+    own = [each for each in obj.modifiers if has_bands(each)]
+    place = max((obj.modifiers.find(each.name) for each in own), default=0)
+    return [
+        each.name
+        for each in obj.modifiers[:place]
+        if each.show_viewport and each.type not in HARMLESS and not has_bands(each)
     ]
 
 

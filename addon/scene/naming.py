@@ -5,13 +5,11 @@ from itertools import chain, count
 
 import bpy
 
-from .channels import own_actions
-from .decomposition import NAMED, SpectralTVRecord
-from .drivers import retarget_drivers
+from .decomposition import LABEL, NAMED, SpectralTVRecord
 from .masks import fit_names
-from .names import LONGEST, free_name
+from .names import LONGEST, free_name, taken_names
 from .objects import user_of
-from .records import LABEL, bands_of, keeping_of, recognise_bands, records_of
+from .records import bands_of, keeping_of, recognise_bands, records_of
 
 # What a decomposition is called that was given no name.
 NAMELESS = "Bands"
@@ -30,10 +28,9 @@ def free_stem(
     except_keys: Iterable[str] = (),
 ) -> str:
     """The first of the wanted names, or of these with numbers, that no other decomposition has, and
-    no key but ``except_keys`` has of ``number`` bands of it."""
+    no key or attribute but ``except_keys`` has of ``number`` bands of it."""
     decompositions = {each.name for each in obj.data.spectral_tv.decompositions if each != own}
-    shape_keys = obj.data.shape_keys
-    keys = set() if shape_keys is None else {*shape_keys.key_blocks.keys()} - {*except_keys}
+    keys = (taken_names(obj, "KEY") | taken_names(obj, "ATTRIBUTE")) - {*except_keys}
     first, *others = wanted
     room = LONGEST - len(f"{LABEL}{number}".encode())
 
@@ -54,25 +51,14 @@ def _fitting(room: int) -> Callable[[str], str]:
     return fitting
 
 
-def rename_key(mesh: bpy.types.Mesh, key: bpy.types.ShapeKey, name: str) -> None:
-    """Give a shape key another name, which is free; what animates and what reads it goes on.
-
-    Blender renames what actions and drivers say of it. An action that animates others too, or is
-    linked, is copied first, as it would lose them.
-    """
-    old = key.name
-    own_actions(mesh.shape_keys, [key], "these shape keys")
-    key.name = name
-    retarget_drivers(mesh, {old: key.name})
-
-
 def _rename_bands(record: SpectralTVRecord) -> None:
     """Have bands follow the name of their decomposition, but for those that were renamed."""
     mesh = record.id_data
     obj = user_of(mesh) if isinstance(mesh, bpy.types.Mesh) else None
     if obj is None or record not in records_of(obj):
         return
-    there = keeping_of(record).all(mesh)
+    keeping = keeping_of(record)
+    there = keeping.all(obj)
     found = [name for name, _ in recognise_bands(obj, record)]
     pairs = zip(record.bands, found, strict=True)
     own = [name for band, name in pairs if name and name == band.given]
@@ -83,8 +69,9 @@ def _rename_bands(record: SpectralTVRecord) -> None:
         return
     for band, name, given in zip(record.bands, found, band_names(free, len(found)), strict=True):
         if name in own and name != given:
-            rename_key(mesh, there[name], given)
+            keeping.rename(obj, there[name], given)
             band.given = band.key = given
+    keeping.call([band for band in bands_of(obj, record) if band is not None], free)
     fit_names(obj, [band for band in bands_of(obj, record) if band is not None])
 
 

@@ -10,11 +10,15 @@ def is_mesh(obj: bpy.types.Object | None) -> bool:
 
 
 def refusal(
-    obj: bpy.types.Object | None, edit_mode: bool = False, override: bool = False
+    obj: bpy.types.Object | None,
+    edit_mode: bool = False,
+    override: bool = False,
+    linked_mesh: bool = False,
 ) -> str | None:
     """Why ``obj`` cannot be worked on, in a sentence for the user; None if it can.
 
-    Edit Mode is a reason unless ``edit_mode`` allows it, a library override unless ``override``.
+    Edit Mode is a reason unless ``edit_mode`` allows it, a library override unless ``override``,
+    the mesh of another file unless ``linked_mesh``.
     """
     if obj is None:
         return "There is no active object"
@@ -27,7 +31,7 @@ def refusal(
         return "The mesh is in Edit Mode as that of another object; leave that first"
     if obj.use_dynamic_topology_sculpting:
         return "Turn Dyntopo off first"
-    if obj.library is not None or obj.data.library is not None:
+    if obj.library is not None or (obj.data.library is not None and not linked_mesh):
         return "The mesh is linked from another file; make it local first"
     # Files keep changed values of an override, but neither shape keys nor lists that were added.
     if (obj.override_library or obj.data.override_library) and not override:

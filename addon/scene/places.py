@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 from spectral_tv.refusal import Refusal
 
 from .temporary import Temporary
@@ -44,6 +45,15 @@ def _is_enabled(obj: bpy.types.Object, layer: bpy.types.LayerCollection) -> bool
     return obj in layer.collection.objects.values() or any(
         _is_enabled(obj, child) for child in layer.children
     )
+
+
+def linear_of(matrix_world: Matrix, name: str | None = None) -> np.ndarray:
+    """What turns and scales an object, (3, 3); raises Refusal, with its name, if it flattens it."""
+    found = np.array(matrix_world.to_3x3(), dtype=np.float64)
+    if np.linalg.matrix_rank(found) < 3:
+        whose = "its scale" if name is None else f"the scale of {name!r}"
+        raise Refusal(f"{whose} is zero along an axis")
+    return found
 
 
 @contextmanager

@@ -6,15 +6,13 @@ from itertools import islice
 from typing import Any
 
 import bpy
+from spectral_tv.refusal import Refusal
 
 from .contents import topology_digest
-from .decomposition import SpectralTVRecord
-from .fingerprints import Likeness, digests, recognise
+from .decomposition import LABEL, SpectralTVRecord
+from .fingerprints import Likeness, digests
 from .keeping import PLACES, Band, Keeping
 from .property_values import set_values_of, values_of
-
-# What of a band's name comes after that of its decomposition.
-LABEL = " Band "
 
 
 def records_of(obj: bpy.types.Object | None) -> list[SpectralTVRecord]:
@@ -39,6 +37,16 @@ def record_of(obj: bpy.types.Object | None) -> SpectralTVRecord | None:
     return chosen[0] if chosen and chosen[0] in found else found[-1]
 
 
+def chosen_record(obj: bpy.types.Object, name: str) -> SpectralTVRecord:
+    """The record of that name, or of the active decomposition if it is ""; raises Refusal."""
+    if not name:
+        return record_of(obj)
+    for record in records_of(obj):
+        if record.name == name:
+            return record
+    raise Refusal(f"it has no decomposition {name!r}")
+
+
 def activate(mesh: bpy.types.Mesh, name: str) -> bool:
     """Make the decomposition of a name the active one; tells whether there is one."""
     place = mesh.spectral_tv.decompositions.find(name)
@@ -61,14 +69,21 @@ def _is_there(record: SpectralTVRecord) -> bool:
     return bool(record.bands) and keeping_of(record).is_marked(record.id_data, _mark(record))
 
 
+def keep_in(obj: bpy.types.Object, record: SpectralTVRecord, kind: str) -> None:
+    """Have the bands of a record be kept in a place of that name, where they are by now."""
+    record.kept = kind
+    others = [_mark(each) for each in records_of(obj) if each.kept == kind and each != record]
+    record.mark = others[0] if others else record.identifier
+    keeping_of(record).mark(obj.data, record.mark)
+
+
 def new_identity(obj: bpy.types.Object, record: SpectralTVRecord) -> None:
     """Have a record be of no flow so far, and of the vertices and faces that there are."""
     former = [_mark(each) for each in records_of(obj) if each.kept == record.kept]
     record.identifier = uuid.uuid4().hex
     if record.id_data == obj.data:
         record.mark = former[0] if former else record.identifier
-        if not former:
-            keeping_of(record).mark(obj.data, record.mark)
+        keeping_of(record).mark(obj.data, record.mark)
     record.topology = topology_digest(obj.data)
     record.vertex_count = len(obj.data.vertices)
     record.corner_count = len(obj.data.loops)
@@ -166,15 +181,26 @@ def bands_of(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> l
     """The bands of a decomposition, None for those that were deleted; of the active one if none is
     named."""
     record = record_of(obj) if record is None else record
-    there = keeping_of(record).all(obj.data)
+    there = keeping_of(record).all(obj)
     return [there[name] if name else None for name, _ in recognise_bands(obj, record)]
+
+
+def band_of(obj: bpy.types.Object, number: int) -> Band:
+    """A band of the active decomposition, 1 being the finest; raises Refusal if it is not there."""
+    found = bands_of(obj)
+    if number > len(found):
+        raise Refusal(f"it has no band {number}, but {len(found)} bands")
+    band = found[number - 1]
+    if band is None:
+        raise Refusal(f"band {number} was deleted")
+    return band
 
 
 def all_bands_of(obj: bpy.types.Object) -> list[Band]:
     """The bands of all decompositions that are there."""
     found = []
     for record, likes in recognise_all(obj):
-        there = keeping_of(record).all(obj.data)
+        there = keeping_of(record).all(obj)
         found += [there[name] for name, _ in likes if name]
     return found
 
@@ -183,7 +209,7 @@ def bands_shown(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -
     """What `bands_of` gives, for panels, which ask at every redraw: known again only when names
     change."""
     record = record_of(obj) if record is None else record
-    there = keeping_of(record).all(obj.data)
+    there = keeping_of(record).all(obj)
     identifiers = (each.identifier for each in records_of(obj))
     question = (obj.data.session_uid, *identifiers, *there.keys())
     if question not in _shown:
@@ -210,10 +236,9 @@ def recognise_all(
     band it is. No key is a band of two."""
     records = records_of(obj)
     found = []
-    for written in dict.fromkeys(keeping_of(each).written for each in records):
-        own = [each for each in records if keeping_of(each).written == written]
-        prints = [band for each in own for band in each.bands]
-        likes: Iterator = iter(recognise(obj, written, prints, any_copy=True))
+    for keeping in dict.fromkeys(keeping_of(each) for each in records):
+        own = [each for each in records if keeping_of(each) == keeping]
+        likes: Iterator = iter(keeping.recognise(obj, own))
         found += [(each, list(islice(likes, len(each.bands)))) for each in own]
     return found
 
@@ -228,6 +253,8 @@ def recognise_bands(
 
 def renew_bands(obj: bpy.types.Object) -> None:
     """Follow what bands are called today, and what rounding made of them."""
+    for record in records_of(obj):
+        keeping_of(record).follow_names(obj, record)
     for record, likes in recognise_all(obj):
         written = keeping_of(record).written
         for band, (name, likeness) in zip(record.bands, likes, strict=True):
@@ -237,8 +264,19 @@ def renew_bands(obj: bpy.types.Object) -> None:
 
 
 def topology_changed(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> bool:
-    """Whether vertices or faces were added or removed since a decomposition, the active one if
-    none is named."""
+    """Whether bands are of no use any more, as vertices or faces were added or removed since a
+    decomposition, the active one if none is named. Bands that are attributes are carried along."""
     record = record_of(obj) if record is None else record
+    return keeping_of(record).written == "KEY" and counts_differ(obj, record)
+
+
+def place_refusal(obj: bpy.types.Object) -> str | None:
+    """Why bands of an object can neither come nor go, where they are; None if they can."""
+    reasons = (keeping_of(each).refusal(obj) for each in records_of(obj))
+    return next((reason for reason in reasons if reason is not None), None)
+
+
+def counts_differ(obj: bpy.types.Object, record: SpectralTVRecord) -> bool:
+    """Whether vertices or faces were added or removed since a decomposition."""
     counts = len(obj.data.vertices), len(obj.data.loops)
     return counts != (record.vertex_count, record.corner_count)

@@ -5,7 +5,7 @@ is ours, and is written over whatever its name is today. What the user changed, 
 the user's: it stays, and the result is written beside it.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -173,6 +173,37 @@ def known(obj: bpy.types.Object, written: str) -> dict[int, str]:
     likes = recognise(obj, written, [results[place] for place in places])
     pairs = zip(places, likes, strict=True)
     return {place: name for place, (name, likeness) in pairs if likeness == Likeness.SAME}
+
+
+def mute_kept(obj: bpy.types.Object, kind: str, source: str) -> None:
+    """Mute the shape keys of a source that `write` keeps beside those that it writes anew, as both
+    would act."""
+    for each, key, likeness in keys_written(obj, kind):
+        is_kept = likeness != Likeness.SAME or key.lock_shape
+        if each.source == source and is_kept and not key.mute:
+            key.mute = True
+            note(f"{key.name!r} is muted, as a new one acts in its place")
+
+
+def keys_written(
+    obj: bpy.types.Object, kind: str
+) -> list[tuple[SpectralTVResult, bpy.types.ShapeKey, Likeness]]:
+    """The shape keys that were written of a kind of source and are there, changed since or not."""
+    own = [each for each in obj.data.spectral_tv.results if each.written == "KEY"]
+    own = [each for each in own if each.kind == kind]
+    if not own or obj.data.shape_keys is None:
+        return []
+    there = obj.data.shape_keys.key_blocks
+    likes = zip(own, recognise(obj, "KEY", own), strict=True)
+    found = [(each, there.get(name or each.key), likeness) for each, (name, likeness) in likes]
+    return [(each, key, likeness) for each, key, likeness in found if key is not None]
+
+
+def release(obj: bpy.types.Object, spent: Collection[SpectralTVResult]) -> None:
+    """Have things that were written be the user's."""
+    kept = obj.data.spectral_tv.results
+    for place in reversed([place for place, each in enumerate(kept) if each in spent]):
+        kept.remove(place)
 
 
 def _own(

@@ -8,8 +8,9 @@ import numpy as np
 from spectral_tv.bands.gains import VALUES
 from spectral_tv.refusal import Refusal
 
-from .channels import remove_channels
+from .channels import is_of, own_actions, remove_channels
 from .coordinates import basis_coordinates, points
+from .drivers import retarget_drivers
 from .mix import key_displacement, keys_of
 from .names import free_name, taken_names
 from .whole import whole
@@ -97,10 +98,22 @@ def remove_key(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> None:
             _set_coordinates(other, basis + moved)
             other.relative_key = keys.reference_key
             _shift_relatives(other, shift)
-    remove_channels(keys, key)
+    remove_channels(keys, is_of(key))
     obj.shape_key_remove(key)
     for user, name in active:
         user.active_shape_key_index = keys.key_blocks.find(name)
+
+
+def rename_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, name: str) -> None:
+    """Give a shape key another name, which is free; what animates and what reads it goes on.
+
+    Blender renames what actions and drivers say of it. An action that animates others too, or is
+    linked, is copied first, as it would lose them.
+    """
+    old = key.name
+    own_actions(key.id_data, is_of(key), "these shape keys")
+    key.name = name
+    retarget_drivers(obj.data, {old: key.name})
 
 
 def move_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, place: int) -> None:

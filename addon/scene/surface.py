@@ -8,13 +8,13 @@ import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
 from spectral_tv.bands.joining import joined
+from spectral_tv.means import means
 from spectral_tv.notes import note
-from spectral_tv.refusal import Refusal
 
-from .arrays import means
 from .coordinates import basis_coordinates, triangles
 from .mirroring import Copies, mirrored, single
 from .modifiers import symmetries
+from .places import linear_of
 
 # Coordinates from here on are no places: Blender keeps an infinite one as its largest number.
 NOWHERE = 1e37
@@ -82,6 +82,13 @@ class Surface:
     def read_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix, reading: Reading) -> "Surface":
         """Read a mesh that an object with this matrix in the world would have."""
         return cls._joined([_Part.of_mesh(mesh, matrix)], reading)[0]
+
+    @classmethod
+    def read_arrays(
+        cls, shape: np.ndarray, corners: np.ndarray, matrix: Matrix, reading: Reading
+    ) -> "Surface":
+        """Read vertices (V, 3) and triangles (F, 3) of a mesh that such an object would have."""
+        return cls._joined([_Part.of_arrays(shape, corners, matrix)], reading)[0]
 
     @classmethod
     def _joined(cls, parts: "Sequence[_Part]", reading: Reading) -> "list[Surface]":
@@ -203,17 +210,18 @@ class _Part:
     @classmethod
     def of_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix) -> "_Part":
         """A mesh by itself."""
-        corners = triangles(mesh)
-        shape = _without_strays(basis_coordinates(mesh), corners)
-        return cls._placed(single(shape), corners, matrix, Vector())
+        return cls.of_arrays(basis_coordinates(mesh), triangles(mesh), matrix)
+
+    @classmethod
+    def of_arrays(cls, shape: np.ndarray, corners: np.ndarray, matrix: Matrix) -> "_Part":
+        """Vertices and triangles by themselves."""
+        return cls._placed(single(_without_strays(shape, corners)), corners, matrix, Vector())
 
     @classmethod
     def _placed(
         cls, copies: Copies, corners: np.ndarray, matrix_world: Matrix, shift: Vector
     ) -> "_Part":
-        matrix = np.array(matrix_world.to_3x3(), dtype=np.float64)
-        if np.linalg.matrix_rank(matrix) < 3:
-            raise Refusal("its scale is zero along an axis")
+        matrix = linear_of(matrix_world)
         turned = [
             places[corners[:, ::-1] if is_flipped else corners]
             for places, is_flipped in zip(copies.places, copies.is_flipped, strict=True)

@@ -14,19 +14,20 @@ from .property_values import set_values_of, values_of
 def whole(*objects: bpy.types.Object) -> Iterator[None]:
     """If the block fails, remove all that it added to mesh objects.
 
-    That is vertex groups, attributes, shape keys, and texts and images of the file. The records of
-    the meshes are restored. Things that existed before are not, so the block has to write them
-    last, when nothing can fail.
+    That is vertex groups, attributes, shape keys, modifiers, and texts, images and node groups of
+    the file. The records of the meshes are restored. Things that existed before are not, so the
+    block has to write them last, when nothing can fail.
     """
     before = [_Parts.of(obj) for obj in objects]
-    texts, images = (set(each.keys()) for each in (bpy.data.texts, bpy.data.images))
+    kinds = (bpy.data.texts, bpy.data.images, bpy.data.node_groups)
+    kept = [set(each.keys()) for each in kinds]
     try:
         yield
     except BaseException:
         for obj, parts in zip(objects, before, strict=True):
             parts.restore(obj)
-        for found, kept in ((bpy.data.texts, texts), (bpy.data.images, images)):
-            for name in set(found.keys()) - kept:
+        for found, names in zip(kinds, kept, strict=True):
+            for name in set(found.keys()) - names:
                 found.remove(found[name])
         raise
 
@@ -38,6 +39,7 @@ class _Parts:
     groups: list[str]
     attributes: list[str]
     keys: list[str] | None
+    modifiers: list[str]
     active: tuple[int, int, str]
     remembered: tuple[dict[str, Any], dict[str, Any]]
 
@@ -49,6 +51,7 @@ class _Parts:
             obj.vertex_groups.keys(),
             mesh.attributes.keys(),
             None if keys is None else keys.key_blocks.keys(),
+            obj.modifiers.keys(),
             (
                 obj.vertex_groups.active_index,
                 obj.active_shape_key_index,
@@ -59,6 +62,8 @@ class _Parts:
 
     def restore(self, obj: bpy.types.Object) -> None:
         mesh = obj.data
+        for name in set(obj.modifiers.keys()) - set(self.modifiers):
+            obj.modifiers.remove(obj.modifiers[name])
         for name in set(obj.vertex_groups.keys()) - set(self.groups):
             obj.vertex_groups.remove(obj.vertex_groups[name])
         for name in set(mesh.attributes.keys()) - set(self.attributes):

@@ -5,12 +5,13 @@ from functools import partial
 import bpy
 import numpy as np
 import spectral_tv
+from spectral_tv.jobs.steps import Steps, in_turn
 from spectral_tv.notes import about
 from spectral_tv.refusal import Refusal
+from spectral_tv.segmentation.settings import DECOMPOSING, METHOD
 
 from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
-from ..job.steps import Steps, in_turn
 from ..scene import mix
 from ..scene.surface import Surface
 from . import segments
@@ -19,9 +20,6 @@ from .properties import SegmentationChoices
 # What was read of each object.
 Prepared = list[tuple[Seen, Surface]]
 Labels = list[np.ndarray]
-METHOD = "m2"
-# The part of the work that decomposing is.
-DECOMPOSING = 0.95
 
 
 class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationChoices, bpy.types.Operator):

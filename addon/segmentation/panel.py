@@ -2,10 +2,11 @@
 
 import bpy
 from spectral_tv.bands.settings import Settings
+from spectral_tv.segmentation.settings import METHOD
 
 from ..drawing.work import MeshPanel, draw_button, draw_selection
 from ..scene.results import SEGMENTS, groups_shown
-from .cosegment import METHOD, SPECTRAL_TV_OT_cosegment
+from .cosegment import SPECTRAL_TV_OT_cosegment
 from .split_segments import SPECTRAL_TV_OT_split_segments
 
 

@@ -1,10 +1,9 @@
 """Writing the parts of a mesh: vertex groups, face sets and colors."""
 
-import colorsys
-
 import bpy
 import numpy as np
 from spectral_tv.notes import note
+from spectral_tv.segmentation.colors import color
 
 from ..scene import results
 from ..scene.arrays import corner_vertices, polygon_starts
@@ -17,19 +16,6 @@ NAME = "Segment"
 COLOR, SETS = "Color", "Face Sets"
 # Blender knows the face sets by their name, so there is one of them on a mesh.
 FACE_SETS = ".sculpt_face_set"
-OUTPUTS = (
-    ("COLOR", "Colors", "A color attribute named Segment", "COLOR", 1),
-    ("GROUPS", "Vertex Groups", "A vertex group per part", "GROUP_VERTEX", 2),
-    (
-        "FACE_SETS",
-        "Face Sets",
-        "A face set per part, for sculpting. Your own are kept as an attribute",
-        "FACE_MAPS",
-        4,
-    ),
-)
-# Hues a golden angle apart stay distinct however many there are.
-GOLDEN = 0.618034
 
 
 def write(obj: bpy.types.Object, labels: np.ndarray, segments: int, outputs: set[str]) -> None:
@@ -54,11 +40,6 @@ def write(obj: bpy.types.Object, labels: np.ndarray, segments: int, outputs: set
         attributes.active_color = attributes[names[list(pieces).index(COLOR)]]
     if "FACE_SETS" in outputs:
         _write_face_sets(obj, labels)
-
-
-def color(label: int) -> tuple[float, float, float]:
-    """The color of a part."""
-    return colorsys.hsv_to_rgb((0.02 + GOLDEN * label) % 1, 0.65, 0.85 if label % 2 else 0.7)
 
 
 def _write_face_sets(obj: bpy.types.Object, labels: np.ndarray) -> None:
