@@ -4,36 +4,43 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 Array = NDArray[np.float64]
+
+
+# Of an edge, in ln t.
+WIDTH = 0.2
 
 
 def band_errors(
     areas: Array, times: Array, states: Array, fine_times: Array, fine_states: Array
 ) -> Array:
-    """Relative error of five bands, (5,), with components spread evenly around their times.
+    """Relative error of five bands, (5,).
 
     `areas` are those of the vertices; states are (N + 1, V, C) at times (N + 1,).
     """
     edges = np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], 6)[1:])
-    fine = spread_bands(fine_times, fine_states, edges)
-    return relative_errors(areas, spread_bands(times, states, edges), fine)
+    fine = soft_bands(fine_times, fine_states, edges)
+    return relative_errors(areas, soft_bands(times, states, edges), fine)
 
 
-def spread_bands(times: Array, states: Array, edges: Array) -> Array:
-    """Bands (K, V, C) between edges (K + 1,), with components spread evenly around their times.
+def soft_bands(times: Array, states: Array, edges: Array) -> Array:
+    """Bands (K, V[, C]) between edges (K + 1,), which are 0.2 wide in ln t."""
+    left = np.stack([remainder(times, states, edge) for edge in edges])
+    return left[:-1] - left[1:]
 
-    Band sums of the same flow at other times differ by what falls to the wrong side of an edge;
-    u − t u_t, interpolated linearly between the midpoints of the steps, does not.
-    """
-    dt = np.diff(times)[:, None, None]
-    values = states[:-1] + times[:-1, None, None] * (states[:-1] - states[1:]) / dt
-    nodes = np.append(0.0, (times[:-1] + times[1:]) / 2)
-    values = np.concatenate([states[:1], values])
-    k = np.clip(np.searchsorted(nodes, edges) - 1, 0, len(nodes) - 2)
-    share = ((edges - nodes[k]) / (nodes[k + 1] - nodes[k]))[:, None, None]
-    intercepts = (1 - share) * values[k] + share * values[k + 1]
-    return intercepts[:-1] - intercepts[1:]
+
+def remainder(times: Array, states: Array, edge: float = np.inf) -> Array:
+    """u − t u_t at an edge, (V[, C]), by differences over its width between cubics."""
+    if edge <= 0:
+        return states[0]
+    slopes = np.gradient(states, times, axis=0, edge_order=2)
+    slopes[0] = (states[1] - states[0]) / times[1]
+    end = min(edge * np.exp(WIDTH / 2), times[-1])
+    start = end * np.exp(-WIDTH)
+    u = CubicHermiteSpline(times, states, slopes)([start, end])
+    return (end * u[0] - start * u[1]) / (end - start)
 
 
 def relative_errors(areas: Array, bands: Array, fine: Array) -> Array:

@@ -63,6 +63,8 @@ def _object(obj: bpy.types.Object) -> dict[str, Any]:
         "deformation": values(obj.spectral_tv),
         "parent": obj.parent and (obj.parent.name, [tuple(r) for r in obj.matrix_parent_inverse]),
         "modifiers": [(each.name, each.type, each.show_viewport) for each in obj.modifiers],
+        "inputs": [_inputs(each) for each in obj.modifiers if each.type == "NODES"],
+        "action": _action(obj),
     }
     if obj.type == "ARMATURE":
         found["bones"] = [_bone(bone) for bone in obj.pose.bones]
@@ -73,6 +75,30 @@ def _object(obj: bpy.types.Object) -> dict[str, Any]:
         found["work"] = values(obj.spectral_tv_work)
         found["levels"] = [_levels(obj, each) for each in obj.modifiers if each.type == "MULTIRES"]
     return found
+
+
+def _inputs(modifier: bpy.types.NodesModifier) -> list[tuple[Any, ...]]:
+    """The inputs of Geometry Nodes: labels, values or attributes, and ends of sliders."""
+    found: list[tuple[Any, ...]] = []
+    for socket in modifier.node_group.interface.items_tree:
+        name = socket.identifier
+        if socket.in_out != "INPUT" or socket.socket_type == "NodeSocketGeometry":
+            continue
+        if hasattr(modifier, "properties"):  # since Blender 5.2
+            given = getattr(modifier.properties.inputs, name)
+            fields = [getattr(given, each, None) for each in ("value", "type", "attribute_name")]
+        else:
+            ends = ("", "_use_attribute", "_attribute_name")
+            fields = [modifier.get(f"{name}{each}") for each in ends]
+        ends = [getattr(socket, each, None) for each in ("min_value", "max_value")]
+        found.append((socket.name, *fields, *ends))
+    return found
+
+
+def _action(data: bpy.types.ID) -> str | None:
+    """The name of the action that a data-block plays."""
+    action = data.animation_data and data.animation_data.action
+    return action and action.name
 
 
 def _levels(obj: bpy.types.Object, modifier: bpy.types.MultiresModifier) -> tuple[Any, ...]:
@@ -114,8 +140,7 @@ def of_mesh(mesh: bpy.types.Mesh) -> dict[str, Any]:
     keys = mesh.shape_keys
     if keys is not None:
         found["bands"] = values(keys.spectral_tv)
-        action = keys.animation_data and keys.animation_data.action
-        found["action"] = action and action.name
+        found["action"] = _action(keys)
         for key in keys.key_blocks:
             found[f"key {key.name}"] = (
                 _flat(key.data, "co", 3 * len(key.data)),

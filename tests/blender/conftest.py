@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -62,8 +62,6 @@ def install() -> None:
     if "SPECTRAL_TV_ZIP" in os.environ:  # its own package too, not one that lies beside bpy
         package = importlib.import_module("spectral_tv")
         assert Path(package.__file__).is_relative_to(installed), package.__file__
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    bpy.context.scene.cycles.use_denoising = False  # Debian's Blender lacks the denoiser
 
 
 # Blender takes it for the working directory, even after os.chdir.
@@ -107,11 +105,11 @@ def blender(tmp_path_factory) -> Callable[..., subprocess.CompletedProcess[str]]
     resources = str(tmp_path_factory.mktemp("resources"))
 
     def run(
-        *arguments: str, check: bool = True, **options: Any
+        *arguments: str, check: bool = True, under: Sequence[str] = (), **options: Any
     ) -> subprocess.CompletedProcess[str]:
         streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         done = subprocess.run(
-            [*command, *arguments],
+            [*under, *command, *arguments],
             env={**os.environ, "BLENDER_USER_RESOURCES": resources},
             text=True,
             check=False,
@@ -131,6 +129,13 @@ def _removed_in_the_end():
     bpy.ops.preferences.addon_disable(module=MODULE)
     if not IN_BLENDER:
         _RESOURCES.cleanup()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _own_file():
+    """The tests of each file start in a new one of Blender's, which has no name."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.context.scene.cycles.use_denoising = False  # Debian's Blender lacks the denoiser
 
 
 @pytest.fixture(autouse=True)

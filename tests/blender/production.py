@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import bpy
 import contents
 import numpy as np
+from conftest import MODULE
 from deform_scene import coordinates, evaluated, group
 from rigged_body import FRAMES, rigged_body
 from sculpted_head import sculpted_head
 
+_BANDS = import_module(f"{MODULE}.scene.attribute_band")
+has_bands, attribute_bands = _BANDS.has_bands, _BANDS.attribute_bands
 # What moves along with the shape, and what is chosen by hand.
 SHAPE = ("attribute position", "attribute custom_normal")
 SELECTED = ("attribute .select_vert", "attribute .select_edge", "attribute .select_poly")
 # Relative to the size, and with what FBX and glTF make of numbers.
 EXACT, ROUNDED = 1e-6, 2e-6
+SUFFIXES = (".glb", ".fbx")
 
 
 def character() -> bpy.types.Object:
@@ -87,6 +92,7 @@ class Facts:
     drivers: list[tuple[Any, ...]]
     driven: list[dict[str, float]]
     poses: list[np.ndarray]
+    places: list[np.ndarray]
     uvs: np.ndarray
     weights: dict[str, np.ndarray]
     attributes: dict[str, Any]
@@ -95,51 +101,60 @@ class Facts:
 
     @classmethod
     def of(
-        cls, obj: bpy.types.Object, folder: Path, like: Facts | None = None, neutral: bool = True
+        cls,
+        obj: bpy.types.Object,
+        folder: Path | None,
+        like: Facts | None = None,
+        neutral: bool = True,
     ) -> Facts:
         """Those of ``obj``; of the keys and groups that there were before, if it is ``like`` those.
 
-        The other keys are at 0 and muted, if it shall be ``neutral``.
+        The other keys are at 0 and muted, if it shall be ``neutral``. It is exported to ``folder``,
+        if there is one.
         """
         obj.hide_set(False)
         obj.hide_render = False
-        all_keys = obj.data.shape_keys.key_blocks
+        all_keys = {} if obj.data.shape_keys is None else obj.data.shape_keys.key_blocks
         names = list(all_keys.keys() if like is None else like.keys)
+        assert all(name in all_keys for name in names), (names, all_keys.keys())
         groups = list(obj.vertex_groups.keys() if like is None else like.weights)
         chosen = (
-            obj.active_shape_key.name,
-            obj.vertex_groups.active.name,
+            obj.active_shape_key.name if names else "",
+            obj.vertex_groups.active and obj.vertex_groups.active.name,
             obj.show_only_shape_key,
             obj.data.uv_layers.active.name,
-            [(each.name, each.type, each.show_viewport) for each in obj.modifiers],
+            [
+                (each.name, each.type, each.show_viewport)
+                for each in obj.modifiers
+                if not has_bands(each)
+            ],
             [slot.material and slot.material.name for slot in obj.material_slots],
         )
-        others = [key for key in all_keys if key.name not in names] if neutral else []
+        others = [key for key in all_keys.values() if key.name not in names] if neutral else []
+        others += attribute_bands(obj) if neutral else []
         values = [(key.value, key.mute) for key in others]
         for key in others:  # some are keyframed
             key.value, key.mute = 0, True
         try:
-            poses, driven = [], []
+            poses, places, driven = [], [], []
             for frame in FRAMES:
                 bpy.context.scene.frame_set(frame)
                 poses.append(evaluated(obj))
+                places.append(np.array(obj.matrix_world))
                 driven.append({name: all_keys[name].value for name in names})
             bpy.context.scene.frame_set(FRAMES[0])
             return cls(
-                coordinates(all_keys[0].points),
+                coordinates(all_keys[names[0]].points if names else obj.data.vertices),
                 {name: _key(all_keys[name]) for name in names},
-                sorted(
-                    _driver(each)
-                    for each in obj.data.shape_keys.animation_data.drivers
-                    if each.data_path.split('"')[1] in names
-                ),
+                sorted(_driver(each) for each in _drivers(obj, names)),
                 driven,
                 poses,
+                places,
                 _uvs(obj.data),
                 {name: _weights(obj, name) for name in groups},
                 _attributes(obj.data),
                 chosen,
-                {suffix: _exported(obj, folder, suffix, names) for suffix in (".glb", ".fbx")},
+                {suffix: _exported(obj, folder, suffix, names) for suffix in SUFFIXES if folder},
             )
         finally:
             for key, (value, mute) in zip(others, values, strict=True):
@@ -162,6 +177,7 @@ def assert_kept(before: Facts, now: Facts, moved: float | None = None) -> None:
     assert now.driven == before.driven, (now.driven, before.driven)
     for frame, one, other in zip(FRAMES, now.poses, before.poses, strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=exact, err_msg=f"frame {frame}")
+    np.testing.assert_allclose(now.places, before.places, rtol=0, atol=exact)
     np.testing.assert_array_equal(now.uvs, before.uvs)
     for name, weights in before.weights.items():
         np.testing.assert_array_equal(now.weights[name], weights, err_msg=name)
@@ -186,6 +202,12 @@ def _key(key: bpy.types.ShapeKey) -> tuple[np.ndarray, tuple[Any, ...]]:
         key.interpolation, key.lock_shape,
     )  # fmt: skip
     return moves, settings
+
+
+def _drivers(obj: bpy.types.Object, names: list[str]) -> list[bpy.types.FCurve]:
+    keys = obj.data.shape_keys
+    found = keys.animation_data.drivers if keys and keys.animation_data else ()
+    return [each for each in found if each.data_path.split('"')[1] in names]
 
 
 def _driver(curve: bpy.types.FCurve) -> tuple[Any, ...]:

@@ -25,9 +25,7 @@ def split(obj, **more) -> None:
 
 def bands(obj) -> list[bpy.types.ShapeKey]:
     """Those of the active decomposition."""
-    kept = obj.data.spectral_tv
-    there = obj.data.shape_keys.key_blocks
-    return [there[each.key] for each in kept.decompositions[kept.active_decomposition].bands]
+    return import_module(f"{MODULE}.scene.records").bands_of(obj)
 
 
 def dialled(obj, values=(1.5, -0.4, 0.7)) -> None:
@@ -224,6 +222,28 @@ def in_mode(mode: str, item: Item) -> Item:
     return work
 
 
+def as_attributes(item: Item) -> Item:
+    """The same with bands that are attributes."""
+
+    def work(obj) -> None:
+        QUICK["bands_as"] = "ATTRIBUTES"
+        try:
+            item(obj)
+        finally:
+            del QUICK["bands_as"]
+
+    return work
+
+
+def converted(obj) -> None:
+    """Animated and masked bands, as attributes and as shape keys again."""
+    split(obj)
+    OPS.fill_mask(band=2, source="GROUP", group="Lids")
+    OPS.keyframe()
+    assert OPS.convert_bands(to="ATTRIBUTES") == {"FINISHED"}
+    assert OPS.convert_bands(to="KEYS") == {"FINISHED"}
+
+
 def mask_from_edit_mode(obj) -> None:
     split(obj)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -232,7 +252,23 @@ def mask_from_edit_mode(obj) -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-ITEMS: dict[str, Item] = {
+# What is done without bands that are split off by it.
+ABOUT_NO_BANDS = (
+    "recipe",
+    "caricature",
+    "pose",
+    "bake the pose",
+    "segments",
+    "split",
+    "flow",
+    "thickness",
+    "undo",
+    "total variation",
+    "eigenset",
+    "decompose with",
+    "selected as one",
+)
+OF_EITHER_KIND: dict[str, Item] = {
     "decompose as shown": split,
     "decompose Basis": lambda obj: split(obj, shape="BASIS"),
     "decompose with modifiers applied": lambda obj: split(obj, shape="APPLIED"),
@@ -299,6 +335,19 @@ ITEMS: dict[str, Item] = {
         )
     },
 }  # fmt: skip
+
+
+ITEMS: dict[str, Item] = {
+    **OF_EITHER_KIND,
+    **{
+        f"{name} as attributes": as_attributes(item)
+        for name, item in OF_EITHER_KIND.items()
+        if name not in ("cut again beside a sculpted band", "mask in Edit Mode")
+        and not name.startswith(("decompose in", "replace in", "remove in", "recipe in"))
+        and not name.startswith(ABOUT_NO_BANDS)
+    },
+    "convert and back": converted,
+}
 
 
 def worked_on(_head) -> bpy.types.Object:

@@ -124,7 +124,14 @@ def test_what_is_measured_is_what_the_bands_were_made_by():
     scales = 0.03**2 * relief.area, 0.15**2 * relief.area
     along_base, along_surface = (
         spectral_tv.accuracy(
-            relief, "m3", [2, 4, 8], 3, scales=scales, base=corners * [1, 1, 0], metric=metric
+            relief,
+            "m3",
+            [2, 4, 8],
+            3,
+            scales=scales,
+            base=corners * [1, 1, 0],
+            metric=metric,
+            displacement="vector",
         ).bands[-1]
         for metric in ("base", "surface")
     )

@@ -79,7 +79,8 @@ def test_live_is_measured_until_it_has_settled(algorithm):
 
 
 @pytest.mark.skipif(not any((ROOT / "dist").glob("*.zip")), reason="the extension is not built")
-def test_sliders_are_measured_alone_and_with_the_extension():
-    found = sliders.measured(pinched_sphere(8), [sys.executable])
+@pytest.mark.parametrize("kind", sliders.KINDS)
+def test_sliders_are_measured_alone_and_with_the_extension(kind):
+    found = sliders.measured(pinched_sphere(8), [sys.executable], kind)
     assert [each["acting"] for each in found] == [1, sliders.BANDS]
     assert all(each[name] > 0 for each in found for name in ("alone", "with", "faces", "vertices"))

@@ -48,7 +48,7 @@ def test_what_cannot_be_done_is_told_in_one_line(tmp_path: Path, capfd, choices,
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "required: INPUT"),
+        ([], "name an INPUT"),
         (["IN", *MOVE], "-o, --render or both"),
         (["IN", "-o", "x.ply", "--pin", "z<10%"], "--pin alone moves nothing"),
         (["IN", "-o", "x.ply", "--move", "z>90%"], "is not WHERE:DX,DY,DZ"),

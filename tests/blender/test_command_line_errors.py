@@ -74,7 +74,7 @@ def test_what_cannot_be_decomposed_names_object_and_reason(monkey, tmp_path: Pat
     [
         ([], "required: COMMAND"),
         (["compose"], "invalid choice"),
-        (["decompose"], "required: INPUT"),
+        (["decompose"], "name an INPUT"),
         (["decompose", "IN"], "-o, --render or both"),
         (["decompose", "IN", "-o", "x.ply", "--method", "m9"], "invalid choice"),
         (["decompose", "IN", "-o", "x.ply", "--bands", "0"], "not a number from 1 to 32"),
@@ -137,11 +137,13 @@ def test_wrong_arguments_are_told_in_a_line(tmp_path: Path, capfd):
         assert line.endswith("(--help tells all arguments)")
 
 
-def test_a_folder_as_input_is_told(tmp_path: Path, capfd):
+def test_a_folder_without_inputs_is_told(tmp_path: Path, capfd):
     for verb, name in (("decompose", "out.ply"), ("deform", "out.ply"), ("image", "out.png")):
         options = ["--move", "z>90%:0,0,1"] if verb == "deform" else []
-        assert run([verb, str(tmp_path), "-o", str(tmp_path / name), *options]) == 1
-        assert f"{tmp_path}: error: it is a folder" in capfd.readouterr().err
+        assert run([verb, str(tmp_path), "-o", str(tmp_path / name), *options]) == 2
+        assert (
+            f"there is no file in the folder {tmp_path} that can be read" in capfd.readouterr().err
+        )
 
 
 def test_messages_about_one_of_several_objects_name_it(tmp_path: Path, capfd):

@@ -16,7 +16,7 @@ TOLD = "without turning them, Pose and As Rigid as Possible turn them"
 
 
 def constraints():
-    return import_module(f"{MODULE}.deformation.constraints")
+    return import_module("spectral_tv.deformation.settings")
 
 
 def turn(obj, degrees: float) -> None:

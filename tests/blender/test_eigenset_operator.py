@@ -47,7 +47,7 @@ def test_the_better_set_is_written_once(obj):
 def test_elements_are_chosen_and_told(obj):
     told = {}
     for choice in ("AUTOMATIC", "EDGES", "VERTICES"):
-        chosen = import_module(f"{MODULE}.attributes.settings").chosen_elements(
+        chosen = import_module("spectral_tv.attributes.settings").chosen_elements(
             choice, members(obj, "Half").astype(float)
         )
         found = spectral_tv.eigenset_test(
@@ -63,7 +63,7 @@ def test_elements_are_chosen_and_told(obj):
 
 
 def test_a_set_on_a_large_mesh_is_told_to_flow_on_vertices():
-    settings = import_module(f"{MODULE}.attributes.settings")
+    settings = import_module("spectral_tv.attributes.settings")
     with gathered() as notes:
         large = (np.arange(250_001) < 9).astype(float)[:, np.newaxis]
         assert settings.chosen_elements("AUTOMATIC", large) == "vertices"

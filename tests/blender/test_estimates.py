@@ -9,6 +9,7 @@ import re
 import bpy
 import pytest
 from conftest import MODULE
+from spectral_tv.attributes.accuracy import needs
 from spectral_tv.bands.settings import Settings
 from spectral_tv.options import estimates
 
@@ -55,7 +56,7 @@ def test_several_meshes_take_what_they_take_together_and_other_work_is_told_too(
     one, two = (settings().needs(*[5000] * count) for count in (1, 2))
     assert two.seconds == 2 * one.seconds
     assert two.bytes == 2 * one.bytes
-    assert module("attributes.accuracy").needs("M2", 5000, 32).seconds > 5 * one.seconds
+    assert needs("M2", 5000, 32).seconds > 5 * one.seconds
     plain, exact = (estimates.of_values(10**7, 32, exact=exact) for exact in (False, True))
     assert exact.seconds > plain.seconds
     assert re.match(r"About \d+ (s|min|h), .* of memory|About .* are free", plain.told())

@@ -182,7 +182,7 @@ def test_the_result_of_a_render_is_refused():
 def test_the_job_of_a_window_is_polled_and_notices_changes():
     """What a window runs in a thread gives the same; a changed image is not the same subject."""
     jobs = import_module(f"{MODULE}.job.jobs")
-    bands = import_module(f"{MODULE}.images.bands")
+    bands = import_module("spectral_tv.images.bands")
     results = import_module(f"{MODULE}.images.results")
     sources = import_module(f"{MODULE}.images.sources")
     image = discs(True)

@@ -42,7 +42,8 @@ def test_bands_move_vertices_up_and_down_only(relief, metric):
     mesh = spectral_tv.Mesh(vertices, triangles)
     times = spectral_tv.graded_times(0.01**2 * mesh.area, 0.15**2 * mesh.area, 12)
     base = vertices * [1, 1, 0]
-    split = spectral_tv.decompose(mesh, "m3", times, base=base, metric=metric.lower())
+    options = {"base": base, "metric": metric.lower(), "displacement": "vector"}
+    split = spectral_tv.decompose(mesh, "m3", times, **options)
     np.testing.assert_allclose(found, split.bands(split.band_edges(3)), atol=1e-4)
 
 

@@ -8,7 +8,9 @@ import pytest
 ADDON = Path(__file__).resolve().parents[2] / "addon"
 # Each may import of those before it.
 LAYERS = ("native", "scene", "options", "job", "drawing", "command_line", "features")
-FEATURES = {"bands", "deviation", "deformation", "segmentation", "attributes", "images", "recipes"}
+FEATURES = {
+    "bands", "deviation", "deformation", "segmentation", "attributes", "images", "maps", "recipes"
+}  # fmt: skip
 # Of the features, whose bands the others split and filter.
 SHARED = "bands"
 # What puts all together.

@@ -302,22 +302,22 @@ def test_objects_that_share_the_mesh_share_the_mask(banded):
 
 def test_refusals_say_what_and_where(banded):
     before = contents()
-    for arguments, why in (({"band": 4}, "Ball: it has no band 4, but 3 bands"),):
+    for arguments, why in (({"band": 4}, "it has no band 4, but 3 bands"),):
         for operator in (OPS.paint_mask, OPS.fill_mask, OPS.remove_mask, OPS.blur_mask):
             with pytest.raises(RuntimeError, match=why):
                 operator(**arguments)
-    with pytest.raises(RuntimeError, match=f"Ball: '{BANDS[0]}' has no mask"):
+    with pytest.raises(RuntimeError, match=f"{banded.name}: '{BANDS[0]}' has no mask"):
         OPS.blur_mask(band=1)
     assert not differences(before, contents())
     banded.shape_key_remove(keys(banded)[BANDS[0]])
-    with pytest.raises(RuntimeError, match="Ball: band 1 was deleted"):
+    with pytest.raises(RuntimeError, match=f"{banded.name}: band 1 was deleted"):
         OPS.paint_mask(band=1)
     assert banded.mode == "OBJECT"
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.mesh.subdivide()
     for operator in (OPS.paint_mask, OPS.fill_mask):
-        with pytest.raises(RuntimeError, match="Ball: vertices or faces changed since"):
+        with pytest.raises(RuntimeError, match=f"{banded.name}: vertices or faces changed since"):
             operator(band=2)
         assert banded.mode == "EDIT"
     with pytest.raises(RuntimeError, match="Leave Edit Mode first"):

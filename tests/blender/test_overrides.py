@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 import bpy
 import pytest
 from ball import ball
+from conftest import MODULE
 from contents import contents
+from deform_scene import evaluated
 
-BANDS = [f"Shape Detail Band {band}" for band in (1, 2, 3)]
+RECORDS = import_module(f"{MODULE}.scene.records")
+bands_of, all_bands_of = RECORDS.bands_of, RECORDS.all_bands_of
 
 
 def values(obj) -> list[float]:
-    return [round(obj.data.shape_keys.key_blocks[name].value, 6) for name in BANDS]
+    return [round(band.value, 6) for band in bands_of(obj)]
+
+
+def muted(obj) -> list[bool]:
+    return [band.mute for band in bands_of(obj)]
 
 
 def override(obj) -> bpy.types.Object:
@@ -26,11 +34,11 @@ def override(obj) -> bpy.types.Object:
     return made
 
 
-@pytest.fixture
-def linked(tmp_path: Path):
+@pytest.fixture(params=["KEYS", "ATTRIBUTES"])
+def linked(request, tmp_path: Path):
     """A ball with bands and the vertex group Cap, from another file."""
     obj = ball("Ball")
-    bpy.ops.spectral_tv.decompose(bands=3, steps=8)
+    bpy.ops.spectral_tv.decompose(bands=3, steps=8, bands_as=request.param)
     path = str(tmp_path / "library.blend")
     bpy.data.libraries.write(path, {obj})
     name = obj.name
@@ -93,7 +101,7 @@ def test_what_would_be_lost_is_refused(linked, is_override, told):
 
 def test_filters_of_an_override_are_kept_in_the_file(linked, tmp_path: Path):
     obj = override(linked)
-    obj.data.shape_keys.key_blocks[BANDS[0]].mute = True
+    bands_of(obj)[0].mute = True
     assert bpy.ops.spectral_tv.filter(preset="LOW_PASS", first=2) == {"FINISHED"}
     assert bpy.ops.spectral_tv.solo(band=3) == {"FINISHED"}
     changed = values(obj)
@@ -103,10 +111,10 @@ def test_filters_of_an_override_are_kept_in_the_file(linked, tmp_path: Path):
     bpy.ops.wm.open_mainfile(filepath=path)
     (obj,) = (obj for obj in bpy.data.objects if obj.library is None)
     assert values(obj) == changed
-    assert [obj.data.shape_keys.key_blocks[name].mute for name in BANDS] == [True, True, False]
+    assert muted(obj) == [True, True, False]
     bpy.context.view_layer.objects.active = obj
     assert bpy.ops.spectral_tv.solo(band=3) == {"FINISHED"}
-    assert [obj.data.shape_keys.key_blocks[name].mute for name in BANDS] == [True, False, False]
+    assert muted(obj) == [True, False, False]
     assert bpy.ops.spectral_tv.filter(preset="RESET") == {"FINISHED"}
     assert values(obj) == [0, 0, 0]
 
@@ -116,4 +124,42 @@ def test_made_local_it_is_like_any_other(linked):
     obj.make_local()
     obj.data.make_local()
     assert bpy.ops.spectral_tv.decompose(bands=2, steps=8, into="ADD") == {"FINISHED"}
-    assert len(obj.data.shape_keys.key_blocks) == 6
+    assert len(all_bands_of(obj)) == 5
+
+
+def reopened(obj, path: Path) -> bpy.types.Object:
+    """The same object after the file was saved and opened again."""
+    name = obj.name
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    (obj,) = (each for each in bpy.data.objects if each.name == name and each.library is None)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+@pytest.mark.parametrize("linked", ["ATTRIBUTES"], indirect=True)
+@pytest.mark.parametrize("is_override", [True, False])
+def test_objects_of_a_linked_mesh_have_filters_of_their_own(linked, is_override, tmp_path: Path):
+    """Bands that are attributes have their values on the object, and the mesh stays linked."""
+    if is_override:
+        obj = linked.override_create(remap_local_usages=True)
+    else:
+        obj = linked.copy()
+        bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    before = evaluated(obj)
+    assert bpy.ops.spectral_tv.filter(preset="HIGH_PASS", first=1, last=2) == {"FINISHED"}
+    assert values(obj) == [0, 0, -1]
+    assert bpy.ops.spectral_tv.keyframe() == {"FINISHED"}
+    look = evaluated(obj)
+    assert abs(look - before).max() > 1e-3
+    for name in ("solo", "show_original", "switch_decomposition", "fill_mask", "decompose"):
+        with pytest.raises(RuntimeError, match="linked from another file"):
+            getattr(bpy.ops.spectral_tv, name)()
+    obj = reopened(obj, tmp_path / "scene.blend")
+    assert obj.data.library is not None
+    assert values(obj) == [0, 0, -1]
+    assert abs(evaluated(obj) - look).max() < 1e-6
+    bpy.context.scene.frame_set(2)
+    assert bpy.ops.spectral_tv.filter(preset="RESET") == {"FINISHED"}
+    assert abs(evaluated(obj) - before).max() < 1e-6

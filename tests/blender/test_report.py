@@ -65,6 +65,8 @@ def test_settings_that_count_are_in_the_report_alone(tmp_path: Path):
         "safe",
         "limit",
         "apply",
+        "bands_as",
+        "heights",
     }
     for options, own in (
         ([], {"steps", "soft_edges", "keep_limbs"}),

@@ -8,14 +8,13 @@ from importlib import import_module
 import numpy as np
 import pytest
 import spectral_tv
-from conftest import MODULE
 from shapes import dumbbell
 
 MESH = spectral_tv.Mesh(*dumbbell(n_around=16, n_along=30))
 
 
 def steps_of(generator):
-    return import_module(f"{MODULE}.job.steps").Steps(generator)
+    return import_module("spectral_tv.jobs.steps").Steps(generator)
 
 
 def flow(steps: int) -> spectral_tv.Job:
@@ -92,7 +91,7 @@ def test_a_job_that_fails_ends_them():
 
 
 def test_jobs_in_turn_give_all_results():
-    in_turn = import_module(f"{MODULE}.job.steps").in_turn
+    in_turn = import_module("spectral_tv.jobs.steps").in_turn
     steps = steps_of(in_turn([lambda: flow(4), lambda: flow(6)]))
     seen = []
     while not steps.done:
@@ -103,7 +102,7 @@ def test_jobs_in_turn_give_all_results():
 
 
 def together(first, *others):
-    return import_module(f"{MODULE}.job.together").Together(first, *others)
+    return import_module("spectral_tv.jobs.together").Together(first, *others)
 
 
 def test_jobs_at_the_same_time_give_the_result_of_the_first():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from tempfile import TemporaryDirectory
+
 import bpy
 import numpy as np
 import pytest
@@ -18,6 +20,13 @@ def banded() -> bpy.types.Object:
     bpy.ops.spectral_tv.decompose(**SMALL)
     obj.data.shape_keys.key_blocks[2].value = 0.5
     return obj
+
+
+def as_attributes() -> None:
+    """The same with bands that are attributes."""
+    banded()
+    bpy.ops.spectral_tv.convert_bands(to="ATTRIBUTES")
+    bpy.ops.spectral_tv.fill_mask(band=1, source="GROUP", group="Cap")
 
 
 def masked() -> None:
@@ -48,6 +57,20 @@ def pair() -> None:
         obj = ball(name)
         bpy.ops.spectral_tv.decompose(**SMALL)
     obj.data.shape_keys.key_blocks[1].value = 2
+
+
+def dressed() -> None:
+    """A selected ball with bands, the active one, in a larger ball."""
+    shirt = ball("Shirt")
+    for vertex in shirt.data.vertices:
+        vertex.co *= 1.05
+    banded()
+
+
+def with_bones() -> None:
+    """A ball with bands and a filter, the active one, and a selected armature."""
+    bpy.ops.object.armature_add()
+    banded().data.shape_keys.key_blocks[3].value = 1
 
 
 def held() -> bpy.types.Object:
@@ -87,6 +110,11 @@ def torn() -> None:
         bpy.ops.spectral_tv.decompose(**SMALL)
 
 
+def unwrapped() -> None:
+    """A ball with bands and UVs."""
+    banded().data.uv_layers.new()
+
+
 def sculpted() -> bpy.types.Object:
     """A cube with two levels of Multiresolution."""
     bpy.ops.mesh.primitive_cube_add()
@@ -112,20 +140,26 @@ def photo() -> None:
 
 
 # For every operator what there is before, and its arguments.
+# For what is written beside the file's contents.
+FOLDER = TemporaryDirectory(prefix="spectral_tv_tests_")
 CASES = {
     "add_curve": (banded, {}),
     "apply_look": (banded, {}),
     "apply_modifier": (subdivided, {}),
     "apply_curve": (banded, {}),
     "bake": (banded, {}),
+    "bake_filter": (banded, {"frame_end": 2, "filepath": f"{FOLDER.name}/cache.pc2"}),
+    "bake_map": (unwrapped, {"size": 16, "filepath": f"{FOLDER.name}/map.exr", "material": True}),
     "bake_safe": (banded, {}),
     "bake_deformation": (held, {"frame_end": 3}),
     "blur_mask": (masked, {"radius": 10}),
     "caricature": (lambda: (ball("One"), ball("Two")), {"bands": 3, "steps": 8, "last": 3}),
+    "carry_along": (dressed, {}),
     "choose_mask": (banded, {"group": "Cap"}),
     "constraint_add": (dumbbell_object, {"kind": "OBJECT"}),
     "constraint_remove": (held, {}),
     "constraint_rest": (held, {}),
+    "convert_bands": (banded, {"to": "ATTRIBUTES"}),
     "copy_filter": (pair, {}),
     "copy_mask": (masked, {}),
     "cosegment": (lambda: ball("Ball"), {"segments": 3, "steps": 8}),
@@ -154,6 +188,7 @@ CASES = {
     "pick_size": (lambda: ball("Ball"), {"option": "largest", "size": 0.4}),
     "plot_values": (lambda: ball("Ball"), {"kind": "GROUP", "source": "Cap", "steps": 4}),
     "recipe": (lambda: ball("Ball"), {"recipe": "Caricature"}),
+    "refit_armature": (with_bones, {}),
     "remove_decomposition": (twice, {"name": "Shape Detail"}),
     "remove_mask": (masked, {}),
     "rig_from_pose": (posed, {}),
@@ -168,6 +203,7 @@ CASES = {
     "widen_sliders": (banded, {}),
     "work_object": (sculpted, {}),
     "write_back": (worked_on, {}),
+    "write_heights": (banded, {}),
 }
 # Those that change nothing in the file.
 WITHOUT_STEP = {
@@ -211,6 +247,38 @@ def test_one_step_takes_all_of_it_back(name):
 def test_one_step_takes_what_is_done_to_several_decompositions_back(name):
     arguments = {"decompose": {"method": "M2", "bands": 2, "steps": 9}, "filter": RESET}
     one_step_takes_all_back(name, twice, arguments.get(name, {}))
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("apply_look", {}),
+        ("convert_bands", {"to": "KEYS"}),
+        ("copy_mask", {}),
+        ("cut", {"bands": 2}),
+        ("decompose", {"method": "M2", **SMALL}),
+        ("filter", {}),
+        ("keyframe", {}),
+        ("remove_decomposition", {}),
+        ("solo", {"band": 2}),
+        ("widen_sliders", {}),
+        ("write_heights", {}),
+    ],
+)
+def test_one_step_takes_back_what_is_done_to_attributes(name, arguments):
+    one_step_takes_all_back(name, as_attributes, arguments)
+
+
+def other_vertices() -> None:
+    """A ball with bands, and the active one without, of other vertices, part of which is far."""
+    banded()
+    finer = ball("Finer", 3)
+    for vertex in finer.data.vertices[:40]:
+        vertex.co *= 2
+
+
+def test_one_step_takes_bands_of_another_topology_back():
+    one_step_takes_all_back("take_bands", other_vertices, {"first": 1, "last": 3})
 
 
 @pytest.mark.parametrize("name", ["deform", "bake_deformation"])

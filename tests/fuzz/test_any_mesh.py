@@ -84,8 +84,9 @@ def test_any_set_flows_on_edges(arrays, seed, time):
     bands = flow.bands([0, *flow.times[1:-1] * (1 + 1e-9), np.inf])
     assert_all_pass(values, bands, flow.residual, len(values))
     means = flow.mean(np.ones(len(values)))
-    # Rounding, times the condition of systems with needles in them.
-    np.testing.assert_allclose(means, np.broadcast_to(means[0], means.shape), atol=1e-5)
+    # Rounding, times the condition of systems with needles in them: 2e-4 was seen on a fan of
+    # triangles round an edge without length, long after all had become flat.
+    np.testing.assert_allclose(means, np.broadcast_to(means[0], means.shape), atol=1e-3)
     variation = flow.total_variation
     assert (np.diff(variation) <= 1e-6 * variation[0] + 1e-300).all()
 

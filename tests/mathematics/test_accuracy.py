@@ -7,7 +7,7 @@ import pytest
 import reference
 import spectral_tv
 from band_errors import band_errors
-from shapes import bumpy_sphere
+from shapes import bumpy_sphere, dumbbell
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +72,36 @@ def test_bands_converge_as_steps_refine(method):
     print(method, errors)
     assert errors[0] > errors[1] > errors[2]
     assert errors[2] < 0.6 * errors[0]
+
+
+@pytest.mark.parametrize(("method", "most"), [("m1", 0.02), ("m2", 0.08), ("m3", 0.1)])
+@pytest.mark.parametrize("shape", [bumpy_sphere(4), dumbbell()])
+def test_default_bands_are_near_those_of_fifteen_times_the_steps(shape, method, most):
+    mesh = spectral_tv.Mesh(*shape)
+    split = spectral_tv.decompose(mesh, method)
+    edges = split.band_edges(5)
+    expected = spectral_tv.decompose(mesh, method, steps=480).bands(edges)
+    areas = mesh.vertex_areas[:, np.newaxis]
+    norms = [
+        np.sqrt((areas * bands**2).sum(axis=(1, 2)))
+        for bands in (split.bands(edges) - expected, expected)
+    ]
+    # What has gone before the last edges has bands of nothing.
+    there = norms[1] > 0.02 * norms[1].max()
+    errors = norms[0][there] / norms[1][there]
+    print(method, errors)
+    assert there.sum() >= 3
+    assert errors.mean() < most
+
+
+@pytest.mark.parametrize("method", ["m1", "m2", "m3"])
+def test_bands_do_not_depend_on_where_steps_fall(method):
+    """The edges are as wide whatever the steps: another number moves no part over an edge."""
+    mesh = spectral_tv.Mesh(*bumpy_sphere(4))
+    edges = spectral_tv.decompose(mesh, method).band_edges(5)[:-1]
+    bands = [spectral_tv.decompose(mesh, method, steps=n).bands(edges) for n in (120, 127)]
+    sizes = np.linalg.norm(bands[0], axis=(1, 2))
+    assert (np.linalg.norm(bands[1] - bands[0], axis=(1, 2)) < 0.05 * sizes).all()
 
 
 @pytest.mark.parametrize("method", ["m1", "m2", "m3"])

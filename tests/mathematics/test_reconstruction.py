@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import reference
 import spectral_tv
-from band_errors import relative_errors, spread_bands
+from band_errors import relative_errors, soft_bands
 from shapes import bumpy_sphere, grid, icosphere
 
 # Some meshes are bad on purpose.
@@ -80,7 +80,7 @@ def test_errors_of_bands_are_those_against_the_refined_flow(mesh, method, channe
     flows = [spectral_tv.decompose(mesh, method, steps=steps).flow for steps in (10, 20, 60)]
     shape = (-1, len(VERTICES), channels)
     *coarse, fine = (
-        spread_bands(flow.times, flow.states.reshape(shape), found.edges) for flow in flows
+        soft_bands(flow.times, flow.states.reshape(shape), found.edges) for flow in flows
     )
     for row, bands in enumerate(coarse):
         expected = relative_errors(mesh.vertex_areas, bands, fine)
@@ -154,7 +154,7 @@ def test_errors_are_those_of_the_flow_along_the_chosen_metric(metric):
     found = spectral_tv.accuracy(relief, "m3", [6], **common)
     shape = (-1, len(vertices), 1)
     coarse, fine = (
-        spread_bands(flow.times, flow.states.reshape(shape), found.edges) for flow in flows
+        soft_bands(flow.times, flow.states.reshape(shape), found.edges) for flow in flows
     )
     distance = np.abs(coarse - fine)[..., 0]
     np.testing.assert_allclose(found.bands[0], np.sqrt((distance**2).sum(axis=0)), atol=1e-9)

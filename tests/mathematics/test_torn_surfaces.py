@@ -111,7 +111,7 @@ def test_no_gap_opens_between_a_coarse_and_a_fine_grid(method, gap):
         # A screen shows the coarse triangles as they were, an eighth long, with straight edges.
         off = off_the_edges(moved)
         assert off[::4].max() < 1e-15
-        assert off.max() < 0.0125
+        assert off.max() < (0.015 if method == "m3" else 0.01)
     with pytest.warns(spectral_tv.MeshWarning, match="36 % of 112 open edges nearly touch"):
         torn = spectral_tv.Mesh(vertices, triangles)
     moved = spectral_tv.decompose(torn, method, steps=12).residual

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import signal
 import subprocess
 import sys
 import threading
@@ -41,8 +42,16 @@ def test_an_exception_from_progress_ends_the_work(mesh):
     assert time.perf_counter() - started < 30
 
 
+@pytest.fixture
+def own_ctrl_c():
+    """Ctrl-C as Python has it: what other tests show may have taken it."""
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, former or signal.SIG_DFL)
+
+
 @pytest.mark.bare
-def test_ctrl_c_ends_the_work(mesh):
+def test_ctrl_c_ends_the_work(mesh, own_ctrl_c):
     timer = threading.Timer(0.3, _thread.interrupt_main)
     timer.start()
     with pytest.raises(KeyboardInterrupt):

@@ -26,6 +26,7 @@ CALLS = {
     "decompose": (MESH, "m1"),
     "estimate": (MESH, "m1"),
     "decompose_image": (IMAGE, "surface"),
+    "decompose_sequence": ([MESH],),
     "accuracy": (MESH,),
     "eigenpairs": (MESH,),
     "folds": (MESH, np.zeros((4, 3))),
@@ -34,6 +35,7 @@ CALLS = {
     "cosegment": ([SPLIT],),
     "deform": (MESH, [0, 1], TARGETS),
     "pose": (MESH, [0, 1], TARGETS),
+    "transfer": (MESH, MESH),
     "flow": (MESH, VERTICES, [0, 0.1]),
     "conformal_flow": (MESH,),
     "default_scales": ("lb",),
@@ -54,6 +56,7 @@ CALLS = {
     "Decomposition.band_edges": (),
     "Decomposition.bands": ([0, 1],),
     "Decomposition.filter": (np.ones(5),),
+    "Decomposition.show": (),
 }
 # Where a number has no default.
 REQUIRED = {
@@ -120,6 +123,8 @@ def call(name, **arguments):
     else:
         function = getattr(INSTANCES[owner] if owner else spectral_tv, method)
     outcome = function(*CALLS[plain], **{**required, **arguments})
+    if inspect.isgenerator(outcome):
+        return next(outcome)
     return outcome.result() if isinstance(outcome, spectral_tv.Job) else outcome
 
 

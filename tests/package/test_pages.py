@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+import spectral_tv
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("addon", "docs", "python", "rust", "tests", "tools")
@@ -18,3 +19,9 @@ def test_files_that_a_page_names_are_there(page):
     assert named
     for path in named:
         assert (ROOT / path).exists() or "artifacts" in path or "corpus" in path, path
+
+
+def test_the_page_on_the_python_api_has_every_name():
+    text = (ROOT / "docs" / "site" / "python_api.md").read_text(encoding="utf-8")
+    named = re.findall(r"^\.\. auto\w+:: (\w+)$", text, re.MULTILINE)
+    assert sorted(named) == sorted({*spectral_tv.__all__, "spectral_tv"} - {"__version__"})

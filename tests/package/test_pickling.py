@@ -99,6 +99,9 @@ def properties(thing):
         names = [part.name for part in fields(thing)]
     values = {name: getattr(thing, name) for name in names}
     assert values
+    meshes = [name for name, value in values.items() if isinstance(value, spectral_tv.Mesh)]
+    for name in meshes:
+        values |= {f"{name}.{part}": each for part, each in properties(values.pop(name)).items()}
     return {
         name: repr(value) if isinstance(value, spectral_tv.Flow) else value
         for name, value in values.items()
@@ -180,7 +183,7 @@ def test_a_deformer_or_poser_is_copied_once_its_work_has_ended(kind):
     made = kind(MESH, ENDS)
     job = made.start_solve_sequence([TARGETS * scale for scale in np.linspace(1, 2, 50)])
     again = copy.copy(made)
-    assert job.done
+    job.cancel()  # too late
     last = job.result()[-1]
     np.testing.assert_allclose(last.vertices[ENDS], 2 * TARGETS, atol=1e-9)
     assert_same(again.solve(2 * TARGETS), made.solve(2 * TARGETS))
@@ -193,11 +196,12 @@ def test_what_shares_a_mesh_shares_it_after_a_round_trip():
 
 
 def test_a_decomposition_takes_up_little_more_than_its_states():
-    for solver, number in (("cholesky", 8), ("multigrid", 4)):
+    # By iteration all increments but the last three are in 16 bits, each with an array of units.
+    for solver, numbers in (("cholesky", 30 * 8), ("multigrid", 3 * 4 + 27 * 2)):
         split = spectral_tv.decompose(MESH, steps=30, solver=solver)
         size = len(pickle.dumps(split, 5))
-        states = 3 * len(VERTICES) * (8 + 30 * number)
-        assert states < size < 1.1 * states + 8 * len(VERTICES) + 8000
+        states = 3 * len(VERTICES) * (8 + numbers)
+        assert states < size < 1.1 * states + 8 * len(VERTICES) + 10_000
 
 
 def test_errors_keep_what_they_name():

@@ -25,7 +25,7 @@ def deviation() -> Steps[None]:
     yield from key("KP_1")
     yield from key("KP_Decimal")
     x, y = yield from find("spectral_tv.take_bands", column=0.7)
-    yield from click(x - 60, y - NEXT_HEADER - HEADER)
+    yield from click(x - 60, y - NEXT_HEADER - 2 * HEADER)
     yield from click(*(yield from find("shows_deviation", column=0.3)))
     yield from until(lambda: obj.data.spectral_tv.shows_deviation, "the colors")
     yield from away()

@@ -13,6 +13,7 @@ from at_once import at_once
 from deform import deform
 from deviation import deviation
 from hold_and_pull import hold_and_pull
+from maps import maps
 from masks import masks
 from others import others
 from pictures import messages, new_monkey, panels
@@ -50,6 +51,7 @@ def session() -> Steps[None]:
     yield from undo_and_redo()
     yield from masks()
     yield from deviation()
+    yield from maps()
     yield from panels()
     yield from deform()
     yield from hold_and_pull()

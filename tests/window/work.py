@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import bpy
-from screen import Steps, in_view, until
+from screen import PICTURES, Steps, in_view, until
 
 # Steps of work that outlasts every wait, and of work that is soon done.
 ENDLESS, FEW = 1000, 8
@@ -26,6 +26,7 @@ LONG_WORK = (
 # One for every operator that runs a job.
 SHORT_WORK = {
     "bake_deformation": {"frame_end": 3},
+    "bake_filter": {"frame_end": 3, "filepath": str(PICTURES / "cache.pc2")},
     "bake_safe": {},
     "blur_mask": {"radius": 10},
     "caricature": {"steps": FEW + 1},  # another flow than that of decompose
