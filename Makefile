@@ -14,6 +14,9 @@ SECONDS ?= 3600
 
 VENV := .venv
 BIN := $(VENV)/bin
+# Programs of Cargo's that few need, compiled when they are first used.
+CARGO_TOOLS := .build/cargo/bin
+NOTICES ?= THIRD_PARTY_LICENSES.txt
 WHEEL_STAMP := dist/.wheel
 EXTENSION_STAMP := dist/.extension
 # On all processors.
@@ -21,11 +24,11 @@ PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal
 
 RUST_SOURCES := Cargo.toml Cargo.lock \
   $(shell find rust/system rust/spectral_tv/src rust/spectral_tv/Cargo.toml rust/python -name '*.rs' -o -name Cargo.toml)
-PACKAGE_SOURCES := pyproject.toml $(shell find python -name '*.py' -o -name '*.pyi')
+PACKAGE_SOURCES := pyproject.toml LICENSE $(NOTICES) $(shell find python -name '*.py' -o -name '*.pyi')
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
 .PHONY: demo test test-rust test-package test-extension test-bpy test-window fuzz fuzz-library \
-  coverage deny lint extension bench bench-check pictures gallery release release-check clean
+  coverage deny notices lint extension docs bench bench-check pictures gallery release release-check reproducible clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -66,10 +69,17 @@ fuzz-library:
 coverage: $(EXTENSION_STAMP)
 	tools/coverage.sh
 
-# Licences, sources and known flaws of the crates that are built in, or of what DENY names. Needs
-# cargo-deny, and for the flaws GitHub.
-deny:
-	cargo deny --config rust/deny.toml check $(DENY)
+# Licences, sources and known flaws of the crates that are built in, or of what DENY names. The flaws
+# need GitHub.
+deny: $(CARGO_TOOLS)/cargo-deny
+	$< --config rust/deny.toml check $(DENY)
+
+# The licences of these crates in one file, which wheels and zips take along: anew after a change of
+# Cargo.lock. Offline, so that the same crates give the same file.
+notices: $(CARGO_TOOLS)/cargo-about
+	cargo fetch --locked --quiet
+	$< generate --config rust/about.toml --manifest-path rust/python/Cargo.toml --locked --offline --fail \
+	  --output-file $(NOTICES) rust/about.hbs
 
 lint: $(WHEEL_STAMP)
 	cargo fmt --all --check
@@ -79,9 +89,23 @@ lint: $(WHEEL_STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check --quiet .
 	$(BIN)/python -m mypy
+	$(BIN)/python tools/extension_names.py
 	$(BIN)/python -m mypy.stubtest spectral_tv._native
 
 extension: $(EXTENSION_STAMP)
+
+# The site, in .build/site, and screenshots of it. Notebooks and examples are run, links followed, and
+# pages looked at in Chromium.
+docs: $(EXTENSION_STAMP)
+	$(BIN)/python tools/check_system.py chromium
+	$(BIN)/python -m pip install --quiet --group docs
+	rm -rf .build/site
+	$(BIN)/sphinx-build -W --keep-going -E -q -j auto -c docs/site -d .build/doctrees . .build/site
+	cargo doc --package spectral-tv --no-deps --quiet
+	cp -r target/doc .build/site/rust
+	$(BIN)/python -m tools.site.links .build/site
+	$(BIN)/python -m tools.site.look .build/site .build/site_pictures
+	$(PYTEST) tests/blender/test_docs.py tests/package/test_pages.py
 
 bench: $(EXTENSION_STAMP)
 	$(BIN)/python tools/check_system.py cholmod
@@ -119,6 +143,10 @@ release:
 release-check: $(VENV)/.installed
 	tools/release/check.sh $(CHECKS)
 
+# Two builds of the last commit, which have to be the same.
+reproducible:
+	tools/release/reproducible.sh
+
 clean:
 	rm -rf $(VENV) target dist demo .build
 
@@ -129,6 +157,12 @@ $(VENV)/.installed: pyproject.toml tools/check_system.py
 	$(BIN)/python -m pip install --quiet --group development
 	touch $@
 
+$(CARGO_TOOLS)/cargo-about: VERSION := 0.9.3
+$(CARGO_TOOLS)/cargo-about: FEATURES := --features cli
+$(CARGO_TOOLS)/cargo-deny: VERSION := 0.20.2
+$(CARGO_TOOLS)/%:
+	cargo install --quiet --locked --root .build/cargo $* --version $(VERSION) $(FEATURES)
+
 # One wheel for every Linux that Blender supports; the checkout's environment uses the same.
 $(WHEEL_STAMP): $(VENV)/.installed $(RUST_SOURCES) $(PACKAGE_SOURCES)
 	rm -rf dist/*.whl
@@ -137,6 +171,6 @@ $(WHEEL_STAMP): $(VENV)/.installed $(RUST_SOURCES) $(PACKAGE_SOURCES)
 	$(BIN)/python -m pip install --quiet --force-reinstall --no-deps dist/*.whl
 	touch $@
 
-$(EXTENSION_STAMP): $(WHEEL_STAMP) $(ADDON_SOURCES) LICENSE tools/extension.py
+$(EXTENSION_STAMP): $(WHEEL_STAMP) $(ADDON_SOURCES) tools/extension.py
 	$(BIN)/python tools/extension.py dist/*.whl
 	touch $@

@@ -1,13 +1,15 @@
 """Say which system libraries and tools are missing, and the command that installs them.
 
-python check_system.py [--packages] [cholmod] [valgrind]
+python check_system.py [--packages] [cholmod] [chromium] [valgrind]
 
 With --packages, print the names of Debian's packages only.
 """
 
 import ctypes
 import importlib.util
+import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -36,8 +38,8 @@ def main() -> None:
     problems = []
     if packages:
         problems.append(f"system packages are missing; run: apt-get install {' '.join(packages)}")
-    if shutil.which("cargo") is None:
-        problems.append("Rust is missing; install 1.88 or later from https://rustup.rs")
+    if problem := rust_problem():
+        problems.append(problem)
     if sys.version_info[:2] != (3, 11):
         found = ".".join(map(str, sys.version_info[:2]))
         problems.append(f"bpy needs Python 3.11, but this is {found}; set PYTHON=python3.11")
@@ -50,6 +52,8 @@ def missing_packages(purposes: set[str]) -> list[str]:
     missing = [package for name, package in LIBRARIES.items() if not is_loadable(name)]
     if shutil.which("cc") is None:
         missing.append("gcc")
+    if sys.platform == "linux" and shutil.which("strace") is None:
+        missing.append("strace")  # which tests watch calls to the network with
     if importlib.util.find_spec("ensurepip") is None:
         missing.append("python3.11-venv")
     if "cholmod" in purposes:
@@ -58,9 +62,26 @@ def missing_packages(purposes: set[str]) -> list[str]:
         # CHOLMOD is two to three times slower on the BLAS that comes along with it.
         if not any(Path("/usr/lib").glob("*/openblas-pthread/libblas.so.3")):
             missing.append("libopenblas0-pthread")
+    if "chromium" in purposes and shutil.which("chromium") is None:
+        missing.append("chromium")
     if "valgrind" in purposes and shutil.which("valgrind") is None:
         missing.append("valgrind")
     return missing
+
+
+def rust_problem() -> str | None:
+    """Say what is wrong with the machine's Rust; Cargo.toml tells how old it may be."""
+    cargo = (Path(__file__).resolve().parents[1] / "Cargo.toml").read_text(encoding="utf-8")
+    (needed,) = re.findall(r'^rust-version = "([\d.]+)"$', cargo, re.MULTILINE)
+    remedy = f"install {needed} or later from https://rustup.rs"
+    if shutil.which("rustc") is None or shutil.which("cargo") is None:
+        return f"Rust is missing; {remedy}"
+    shown = subprocess.run(
+        ["rustc", "--version"], check=True, capture_output=True, text=True
+    ).stdout
+    found = shown.split()[1]
+    numbers = [[int(part) for part in re.findall(r"\d+", text)[:2]] for text in (found, needed)]
+    return f"Rust {found} is too old; {remedy}" if numbers[0] < numbers[1] else None
 
 
 def is_loadable(name: str) -> bool:

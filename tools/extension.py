@@ -22,6 +22,8 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 ROOT = Path(__file__).resolve().parent.parent
 
+# Ours, and those of the crates in the wheels.
+LICENCES = ("LICENSE", "THIRD_PARTY_LICENSES.txt")
 # How wheels and Blender name systems and machines.
 SYSTEMS = {"manylinux": "linux", "win": "windows", "macosx": "macos"}
 MACHINES = {"x86_64": "x64", "amd64": "x64", "aarch64": "arm64", "arm64": "arm64"}
@@ -59,9 +61,10 @@ def version() -> str:
 
 
 def stage(target: Path, wheels: list[Path], *, split: bool) -> Path:
-    """Lay the extension out in ``target``: the add-on, the licence, the wheels, the manifest."""
+    """Lay the extension out in ``target``: the add-on, the licences, the wheels, the manifest."""
     shutil.copytree(ROOT / "addon", target, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "LICENSE", target)
+    for licences in LICENCES:
+        shutil.copy(ROOT / licences, target)
     (target / "wheels").mkdir()
     for wheel in wheels:
         shutil.copy(wheel, target / "wheels")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from . import (
     accuracy,
+    batches,
     deformation,
     eigenpairs,
     estimates,
@@ -100,6 +101,9 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
         "interruption": lambda page: interruption.report(page, shapes),
         "growth": lambda page: growth.report(page, sizes),
         "estimates": lambda page: estimates.report(page, estimated),
+        "batches": lambda page: batches.report(
+            page, files=20 if arguments.small else batches.FILES
+        ),
     }
 
 

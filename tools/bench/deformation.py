@@ -8,9 +8,10 @@ import numpy as np
 import spectral_tv
 
 from .arap import Arap
+from .direct import Cholmod, Direct, SuperLU
 from .meshes import Shape
 from .page import Page
-from .reweighted import Factorize, cholmod, reweighted, superlu
+from .reweighted import reweighted
 from .timing import RUNS, interleaved
 
 LOW, HIGH = 0.05, 0.07
@@ -60,7 +61,7 @@ def solving(pull: Pull) -> list[str]:
     def ours() -> None:
         found["ours"] = pull.deform(tolerance=TOLERANCE)
 
-    def theirs(name: str, factorize: Callable[[], Factorize]) -> Callable[[], None]:
+    def theirs(name: str, solver: Callable[[], Direct]) -> Callable[[], None]:
         def run() -> None:
             found[name] = reweighted(
                 pull.vertices,
@@ -68,13 +69,13 @@ def solving(pull: Pull) -> list[str]:
                 pull.indices,
                 pull.targets,
                 least * (1 + TOLERANCE),
-                factorize(),
+                solver(),
             )
 
         return run
 
     scipy, cholesky, seconds = interleaved(
-        theirs("SciPy", superlu), theirs("CHOLMOD", cholmod), ours
+        theirs("SciPy", SuperLU), theirs("CHOLMOD", Cholmod), ours
     )
     _, variation, systems = found["SciPy"]
     reached = "" if variation <= least * (1 + TOLERANCE) else f", {variation / least - 1:.1e} above"
@@ -98,7 +99,7 @@ def dragging(pull: Pull) -> list[str]:
 
     def theirs() -> None:
         enough = np.inf  # a single system
-        reweighted(pull.vertices, pull.triangles, pull.indices, pull.targets, enough, cholmod())
+        reweighted(pull.vertices, pull.triangles, pull.indices, pull.targets, enough, Cholmod())
 
     cholesky, seconds = interleaved(theirs, ours, runs=FRAMES)
     checked = range(FRAMES // 3 - 1, FRAMES, FRAMES // 3)

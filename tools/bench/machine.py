@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .page import Page
 
-PACKAGES = ("spectral-tv", "numpy", "scipy", "scikit-sparse", "libigl", "bpy")
+PACKAGES = ("spectral-tv", "numpy", "scipy", "scikit-sparse", "pypardiso", "libigl", "bpy")
 LIBRARIES = ("libsuitesparse-dev", "libopenblas0-pthread", "libblas3", "libmetis5")
 
 

@@ -18,7 +18,7 @@ import psutil
 TABLES = (
     "machine", "steps", "memory", "accuracy", "exact", "eigenpairs", "deformation", "dragging",
     "rigid", "posing", "pose_dragging", "live", "sliders", "smoothing", "interruption", "growth",
-    "estimates",
+    "estimates", "batches",
 )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ WARM_UP = 500
 
 @dataclass(frozen=True)
 class Work:
-    """Steps of a method on a mesh: `who` is "plain" or "careful", in SciPy, or "spectral_tv"."""
+    """Steps of a method on a mesh: `who` is one of SciPy's ways, or "spectral_tv"."""
 
     who: str
     method: str
@@ -81,9 +81,9 @@ def main() -> None:
 def flow(work: Work, vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray):
     """Steps by SciPy, or a decomposition."""
     if work.who != "spectral_tv":
-        from .cholmod import lagged_steps  # noqa: PLC0415 - neither loads the other
+        from .lagged import lagged_steps  # noqa: PLC0415 - neither loads the other
 
-        return lagged_steps(vertices, triangles, times, work.method, plain=work.who == "plain")
+        return lagged_steps(vertices, triangles, times, work.method, work.who)
     import spectral_tv  # noqa: PLC0415
 
     mesh = spectral_tv.Mesh(vertices, triangles)

@@ -2,46 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
-from sksparse.cholmod import analyze
 
+from .direct import Direct
 from .operators import gradient_and_areas
-
-Solve = Callable[[np.ndarray], np.ndarray]
-Factorize = Callable[[sp.csc_matrix], Solve]
 
 SHRINKAGE = 0.6
 SMALLEST = 1e-4
 MOST_ITERATIONS = 150
-
-
-def superlu() -> Factorize:
-    """SciPy's own sparse solver, in its mode for symmetric matrices."""
-
-    def factorize(system: sp.csc_matrix) -> Solve:
-        options = {"SymmetricMode": True}
-        return splu(
-            system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options
-        ).solve
-
-    return factorize
-
-
-def cholmod() -> Factorize:
-    """CHOLMOD, the analysis done once."""
-    factors = []
-
-    def factorize(system: sp.csc_matrix) -> Solve:
-        if not factors:
-            factors.append(analyze(system))
-        factors[0].cholesky_inplace(system)
-        return factors[0]
-
-    return factorize
 
 
 def reweighted(
@@ -50,7 +19,7 @@ def reweighted(
     indices: np.ndarray,
     targets: np.ndarray,
     enough: float,
-    factorize: Factorize,
+    solver: Direct,
 ) -> tuple[np.ndarray, float, int]:
     """Repeat L(w) d = 0, w = 1/√(|∇d|² + ε²), ε shrinking, until TV(d) is `enough`.
 
@@ -62,8 +31,8 @@ def reweighted(
     targets : (K, 3) array
     enough : float
         The TV to reach, length².
-    factorize : callable
-        `superlu()` or `cholmod()`.
+    solver : Direct
+        A new one.
 
     Returns
     -------
@@ -81,7 +50,7 @@ def reweighted(
         displacement[free] = 0
         system = sp.csc_matrix(inner.T @ (weights @ inner))
         known = inner.T @ (weights @ (gradient @ displacement))
-        displacement[free] = factorize(system)(-known)
+        displacement[free] = solver.solve(system, -known)
         norms = np.linalg.norm((gradient @ displacement).reshape(-1, 9), axis=1)
         variation = float(areas @ norms)
         if iteration == 0:

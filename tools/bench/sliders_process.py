@@ -28,24 +28,27 @@ RUNS = 9
 
 
 def main() -> None:
-    """Print what is measured with the mesh and the number of bands of the command line."""
-    path, count = sys.argv[sys.argv.index("--") + 1 :]
+    """Print what is measured; the command line has a mesh, the number of bands, and their kind."""
+    path, count, kind = sys.argv[sys.argv.index("--") + 1 :]
     install()
     data = np.load(path)
     obj = add_object(data["vertices"], data["triangles"])
-    bpy.ops.spectral_tv.decompose(bands=int(count), steps=2 * int(count))
+    bpy.ops.spectral_tv.decompose(bands=int(count), steps=2 * int(count), bands_as=kind)
     import_module(f"{MODULE}.bands.live_guard").count(obj)  # so that it watches
-    bands = obj.data.shape_keys.key_blocks[1:]
+    bands = import_module(f"{MODULE}.scene.records").bands_of(obj)
     for acting in (1, len(bands)):
         for band in bands[:acting]:
             band.value = 0.5
-        print(json.dumps({"version": bpy.app.version_string, "acting": acting, **measured(obj)}))
+        print(
+            json.dumps(
+                {"version": bpy.app.version_string, "acting": acting, **measured(obj, bands[0])}
+            )
+        )
 
 
-def measured(obj: bpy.types.Object) -> dict[str, float]:
-    """Median seconds from a value of the first band until the mesh is evaluated: by Blender alone,
+def measured(obj: bpy.types.Object, band: Any) -> dict[str, float]:
+    """Median seconds from a value of a band until the mesh is evaluated: by Blender alone,
     with the extension, and with Blender's normals of faces or of vertices."""
-    band = obj.data.shape_keys.key_blocks[1]
     panels = _open_panels()
 
     def move() -> None:

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the last commit's wheels and extension zips for every platform, or for those named, into
-# dist/release/. Needs root on Debian 12, with Python and debootstrap: the compilers are in a chroot of
-# their own, .build/release/toolchain, and so is Blender, which builds the zips.
+# Builds the last commit's sdist, and its wheels and extension zips for every platform or for those
+# named, into dist/release/. Needs root on Debian 12, with Python and debootstrap: the compilers are in
+# a chroot of their own, .build/release/toolchain or TOOLCHAIN_CHROOT, and so is Blender, which builds
+# the zips.
 #
 #   build.sh [PLATFORM…]   of linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64
 #
@@ -11,7 +12,7 @@ cd "$(dirname "$0")/../.."
 
 platforms=("$@")
 (($#)) || platforms=(linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64)
-chroot=$PWD/.build/release/toolchain
+chroot=${TOOLCHAIN_CHROOT:-$PWD/.build/release/toolchain}
 source=$PWD/.build/release/source
 output=$PWD/dist/release
 
@@ -39,11 +40,11 @@ in_chroot() { MOUNT=$source:/spectral_tv tools/chroot.sh run "$chroot" "$@"; }
   echo "commit $commit"
   in_chroot /spectral_tv/tools/release/wheel.sh versions
 } | tee "$output/BUILT-WITH.txt"
-for platform in "${platforms[@]}"; do
-  in_chroot /spectral_tv/tools/release/wheel.sh "$platform"
-  mv "$source"/dist/*.whl "$output"
+for made in sdist "${platforms[@]}"; do
+  in_chroot /spectral_tv/tools/release/wheel.sh "$made"
+  mv "$source"/dist/* "$output"
 done
 python3 "$source/tools/extension.py" --split --blender "$PWD/tools/blender" --output "$output" \
   "$output"/*.whl
 cd "$output"
-sha256sum -- *.whl *.zip | tee SHA256SUMS
+sha256sum -- *.tar.gz *.whl *.zip | tee SHA256SUMS

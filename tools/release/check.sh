@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Checks what build.sh left in dist/release: the wheels, each as far as it can be run here, and the
-# zip for Linux in Blender. Stops at the first thing that is wrong. Needs root on Debian 12.
+# Checks what build.sh left in dist/release: the sdist, the wheels, each as far as it can be run here,
+# and the zip for Linux in Blender. Stops at the first thing that is wrong. Needs root on Debian 12.
 #
-#   check.sh [wheels | tests | results | blender]…   all of it, or some
+#   check.sh [PART…]   of wheels results packages bare docs reproducible flaws tests blender, or all
+#
+# flaws needs GitHub, and what PyPI tells of flaws.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -53,6 +55,39 @@ wheels() {
   for zip in "$release"/*.zip; do
     tools/blender --command extension validate "$zip"
   done
+}
+
+# What goes to PyPI and crates.io, and whose licences go along.
+packages() {
+  say "the page of the package"
+  "$python" -m pip install --quiet --group release-check
+  "$python" -m twine check --strict "$release"/*.whl "$release"/*.tar.gz
+  say "the licences of the crates"
+  make deny DENY="licenses bans sources"
+  make notices NOTICES=.build/release/notices.txt
+  cmp .build/release/notices.txt THIRD_PARTY_LICENSES.txt || fail "they are not those of Cargo.lock"
+  say "the crates"
+  cargo publish --dry-run --locked --package spectral-tv-system --package spectral-tv
+}
+
+# The package where there is nothing but a Python.
+bare() {
+  tools/release/bare.sh "$release"/*manylinux*x86_64.whl "$release"/*.tar.gz
+}
+
+docs() {
+  make docs
+}
+
+reproducible() {
+  tools/release/reproducible.sh
+}
+
+# Known ones, of the crates that are built in and of the packages that ours needs.
+flaws() {
+  make deny DENY=advisories
+  "$python" -m pip install --quiet --group release-check
+  "$python" -m pip_audit --strict "$PWD"
 }
 
 # The package's tests on every platform that can be emulated. Of the mathematics there is what compares
@@ -106,7 +141,7 @@ blender() {
   PYTHON_3_13="$PWD/tools/blender_chroot.sh run python3.13" tools/test_bpy.sh
 }
 
-(($#)) || set -- wheels results tests blender
+(($#)) || set -- wheels results packages bare docs reproducible flaws tests blender
 for part in "$@"; do
   "$part"
 done

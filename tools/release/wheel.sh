@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the wheel of one platform in the chroot that build.sh makes, the checkout at /spectral_tv.
+# Builds the wheel of one platform, or the sdist, in the chroot that build.sh makes, the checkout at
+# /spectral_tv. Crates are compiled into BUILD_CACHE.
 #
-#   wheel.sh PLATFORM | versions
+#   wheel.sh PLATFORM | sdist | versions
 set -euo pipefail
 cd /spectral_tv
 
@@ -17,7 +18,7 @@ unset RUSTUP_TOOLCHAIN RUSTFLAGS RUSTC_BOOTSTRAP
 
 build() {
   # Directories apart: what runs while building is compiled anew wherever RUSTC_BOOTSTRAP changes.
-  export CARGO_TARGET_DIR=/var/cache/target${RUSTC_BOOTSTRAP:+-with-std}
+  export CARGO_TARGET_DIR=${BUILD_CACHE:-/var/cache}/target${RUSTC_BOOTSTRAP:+-with-std}
   maturin build --release --locked --interpreter python3.11 --out dist --target "$@"
 }
 
@@ -48,6 +49,7 @@ case $1 in
     ;;
   macos-arm64) mac aarch64-apple-darwin ;;
   macos-x64) mac x86_64-apple-darwin ;;
+  sdist) maturin sdist --out dist ;;
   versions)
     rustc --version
     maturin --version

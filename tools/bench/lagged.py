@@ -1,8 +1,8 @@
-"""The paper's semi-implicit steps in SciPy with CHOLMOD: what one would write without this library.
+"""The paper's semi-implicit steps in SciPy: what one would write without this library.
 
-The gradient and CHOLMOD's analysis are computed once, and a step takes one factorization. The plain
-version computes its matrix as a product of matrices. The careful version maps face weights to the
-entries of the matrix; the map is computed once.
+The gradient and the solver's analysis are computed once, and a step takes one factorization. The
+plain version computes its matrix as a product of matrices. The careful versions map face weights to
+the entries of the matrix; the map is computed once.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse as sp
-from sksparse.cholmod import analyze
 
+from .direct import Cholmod, Direct, Pardiso
 from .operators import face_normals, gradient_and_areas, hats_and_areas, to_vertices
 
 SMOOTHING = 1e-3
@@ -20,8 +20,21 @@ AREA_FLOOR, WEIGHT_FLOOR = 1e-8, 1e-4
 BASE_TIME, BASE_STEPS = 5e-3, 10
 
 
+# Who does the steps: with which solver, and whether matrices are products.
+WAYS: dict[str, tuple[type[Direct], bool]] = {
+    "plain": (Cholmod, True),
+    "careful": (Cholmod, False),
+    "pardiso": (Pardiso, False),
+}
+
+
 def lagged_steps(
-    vertices: np.ndarray, triangles: np.ndarray, times: np.ndarray, method: str, *, plain: bool
+    vertices: np.ndarray,
+    triangles: np.ndarray,
+    times: np.ndarray,
+    method: str,
+    who: str,
+    lengths: np.ndarray | None = None,
 ) -> np.ndarray:
     """Run M1, M2 or M3, its base included.
 
@@ -31,21 +44,24 @@ def lagged_steps(
     triangles : (F, 3) array of integers
     times : (N+1,) array, increasing from 0, length²
     method : "m1", "m2" or "m3"
-    plain : bool
-        Whether matrices are products.
+    who : of `WAYS`
+    lengths : (V,) array, optional
+        What M3 begins with instead of the distances from its base, which is made all the same.
 
     Returns
     -------
     (N+1, V, 3) array of shapes, or (N+1, V) of the distances from M3's base
     """
-    solver = Steps(vertices, triangles, plain=plain)
+    solver_type, plain = WAYS[who]
+    solver = Steps(vertices, triangles, solver_type(), plain=plain)
     if method == "m2":
         return collected(solver.conformal(times, p=3), vertices, times)
     values = vertices
     if method == "m3":
         base_times = np.linspace(0, BASE_TIME * solver.areas.sum(), BASE_STEPS + 1)
         *_, base = solver.conformal(base_times, p=2)
-        values = distances(vertices, triangles, base)
+        own = distances(vertices, triangles, base)
+        values = own if lengths is None else lengths
     return collected(solver.total_variation(values, times), values, times)
 
 
@@ -60,16 +76,17 @@ def collected(flow: Iterator[np.ndarray], values: np.ndarray, times: np.ndarray)
 class Steps:
     """Flows on one mesh."""
 
-    def __init__(self, vertices: np.ndarray, triangles: np.ndarray, *, plain: bool) -> None:
+    def __init__(
+        self, vertices: np.ndarray, triangles: np.ndarray, solver: Direct, *, plain: bool
+    ) -> None:
         """Work out what all steps share."""
-        self.plain = plain
+        self.solver, self.plain = solver, plain
         self.vertices, self.triangles = vertices, triangles
         self.gradient, self.areas = gradient_and_areas(vertices, triangles)
         self.masses = to_vertices(triangles, self.areas / 3, len(vertices))
         self.masses[self.masses == 0] = self.masses.mean()
         if not plain:
             self.system, self.entries, self.diagonal = self._pattern()
-        self.factor = None
 
     def total_variation(self, values: np.ndarray, times: np.ndarray) -> Iterator[np.ndarray]:
         """Yield the states of NETV from values (V,) or (V, 3) (Brokman et al., Eqs. 49, 57)."""
@@ -107,9 +124,7 @@ class Steps:
         else:
             self.system.data = self.entries @ weights
             self.system.data[self.diagonal] += masses
-        self.factor = self.factor or analyze(self.system)
-        self.factor.cholesky_inplace(self.system)
-        return self.factor((masses * values.T).T)
+        return self.solver.solve(self.system, (masses * values.T).T)
 
     def _pattern(self) -> tuple[sp.csc_matrix, sp.csr_array, np.ndarray]:
         """The matrix, what turns weights (F,) into its entries, and where its diagonal is."""
