@@ -12,7 +12,7 @@ from spectral_tv.batches.options import GIGABYTE, NAMES, cores, free_memory
 from spectral_tv.batches.task import Limits, Task
 from spectral_tv.command_line.progress import say
 from spectral_tv.command_line.report import INTERRUPTED, SKIPPED, Entry, Report
-from spectral_tv.command_line.signals import heed
+from spectral_tv.command_line.signals import heed, held, released
 
 # What the process of a task is not told.
 OWN = {"run", "parser", "child", "inputs", "beneath", *NAMES}
@@ -99,14 +99,16 @@ class Batch:
     def _do_here(self, sources: Sequence[Path]) -> Iterator[Entry]:
         for source in sources:
             entry = Entry(str(source))
-            try:
-                self._command.treat_input(source, entry)
-            except KeyboardInterrupt:  # at any moment, also before the work began
-                if not entry.is_good and entry.error is None:
-                    entry.fail(INTERRUPTED)
-                raise
-            finally:
-                self._close(entry)
+            with held():  # what became of it is told whenever the signal comes
+                try:
+                    with released():
+                        self._command.treat_input(source, entry)
+                except KeyboardInterrupt:
+                    if not entry.is_good and entry.error is None:
+                        entry.fail(INTERRUPTED)
+                    raise
+                finally:
+                    self._close(entry)
             yield entry
             heed()
 
@@ -173,23 +175,23 @@ class Batch:
         return None if free is None else int(free / jobs)
 
     def _close(self, entry: Entry) -> Entry:
-        """Say and record what became of an input, whatever comes between."""
+        """Say and record what became of an input, once, whatever comes between."""
+        with held():
+            if entry.input in self._open:
+                self._tell(entry)
+        return entry
+
+    def _tell(self, entry: Entry) -> None:
         is_good = entry.is_good
         try:
-            try:
-                self._report.add(entry)
-            except KeyboardInterrupt:
-                self._report.add(entry)
-                raise
+            self._report.add(entry)
         except OSError as error:
             entry.messages.append(f"{entry.input}: error: {error}")
             is_good = False
-        finally:
-            self._open.pop(entry.input, None)
-            self._good.append(is_good)
-            if self._bar is not None:
-                self._bar.close(entry.input, is_good, entry.messages)
-            elif not self._quiet:
-                for line in entry.messages:
-                    say(line)
-        return entry
+        del self._open[entry.input]
+        self._good.append(is_good)
+        if self._bar is not None:
+            self._bar.close(entry.input, is_good, entry.messages)
+        elif not self._quiet:
+            for line in entry.messages:
+                say(line)

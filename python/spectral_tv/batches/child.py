@@ -21,6 +21,7 @@ from spectral_tv.batches.task import Limits, Task
 from spectral_tv.command_line import progress
 from spectral_tv.command_line.memory import limit_memory
 from spectral_tv.command_line.report import Entry
+from spectral_tv.command_line.signals import held, released
 from spectral_tv.files import whole
 
 # What the program is started with.
@@ -45,18 +46,20 @@ def serve(treat: Treat, mark: str) -> int:
     for task in tasks:
         entry = Entry(str(task.source))
         messages.send({"fraction": 0.0})
-        try:
-            if task.place is not None:
-                os.chdir(task.place)
-            with progress.told_to(messages), tasks.wanted():
-                treat(task, entry)
-        except OSError as error:
-            entry.fail(f"this machine has no folder {task.place}: {error.strerror}")
-        except KeyboardInterrupt:
-            if entry.is_good:  # the end was asked for when the work was done
-                messages.close(entry)
-            raise
-        messages.close(entry)
+        with held():  # what became of it is told whenever the signal comes
+            try:
+                with released():
+                    if task.place is not None:
+                        os.chdir(task.place)
+                    with progress.told_to(messages), tasks.wanted():
+                        treat(task, entry)
+            except OSError as error:
+                entry.fail(f"this machine has no folder {task.place}: {error.strerror}")
+            except KeyboardInterrupt:
+                if entry.is_good:  # the end was asked for when the work was done
+                    messages.close(entry)
+                raise
+            messages.close(entry)
     return 0
 
 

@@ -47,18 +47,19 @@ class OnExecutor:
         for task in tasks:
             self._futures[self._submit(task)] = task
         for future in as_completed(list(self._futures)):
-            yield self._taken(future)
+            yield self._outcome(future)
+            del self._futures[future]  # until it was taken, an end tells it
 
     def stop(self) -> list[Entry]:
         """Have no further one begun, and tell what became of those under work when they end."""
         running = [future for future in self._futures if not future.cancel()]
-        return [self._taken(future) for future in running]
+        return [self._outcome(future) for future in running]
 
     def _submit(self, task: Task) -> "Future[Entry]":
         return self.executor.submit(treat_task, task)
 
-    def _taken(self, future: "Future[Entry]") -> Entry:
-        return outcome(self._futures.pop(future), future)
+    def _outcome(self, future: "Future[Entry]") -> Entry:
+        return outcome(self._futures[future], future)
 
 
 class Here(OnExecutor):

@@ -64,7 +64,8 @@ class OnDask:
             self._futures[future] = task
         done = library.as_completed(list(self._futures), raise_errors=False)
         for future in done:
-            yield self._taken(future)
+            yield self._outcome(future)
+            del self._futures[future]  # until it was taken, an end tells it
         self._close()
 
     def stop(self) -> list[Entry]:
@@ -76,7 +77,7 @@ class OnDask:
         found = []
         for future in done:
             with suppress(Exception):  # of a scheduler that is gone
-                found.append(self._taken(future))
+                found.append(self._outcome(future))
         with suppress(Exception):
             self._client.cancel(list(self._futures), force=True)
         self._close()
@@ -92,9 +93,9 @@ class OnDask:
             return None
         return max(declared)
 
-    def _taken(self, future: Any) -> Entry:
+    def _outcome(self, future: Any) -> Entry:
         # A result that was lost along with its worker is made again.
-        return outcome(self._futures.pop(future), future)
+        return outcome(self._futures[future], future)
 
     def _close(self) -> None:
         for each in (self._client, self._cluster):

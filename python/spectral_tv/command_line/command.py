@@ -204,9 +204,7 @@ class Command:
     def _identities(self, source: Path) -> dict[Path, whole.Identity]:
         return {target: whole.identity(target) for target in self.targets(source)}
 
-    def _note_written(
-        self, source: Path, former: dict[Path, whole.Identity], entry: Entry
-    ) -> None:
+    def _note_written(self, source: Path, former: dict[Path, whole.Identity], entry: Entry) -> None:
         """Say that the work is done if all outputs are in place though it was interrupted.
 
         Else the next run would find an output that no report has.

@@ -3,6 +3,7 @@
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from types import FrameType
 from typing import Any
 
@@ -10,7 +11,17 @@ ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 # Writing to what nobody reads, and past a limit, are errors of that write alone.
 PASSED_OVER = ("SIGPIPE", "SIGXFSZ")
 
-_received: list[int] = []
+
+@dataclass
+class _State:
+    """What came, whether it has to wait, and whether something waits."""
+
+    received: list[int] = field(default_factory=list)
+    is_held: bool = False
+    is_waiting: bool = False
+
+
+_state = _State()
 
 
 @contextmanager
@@ -21,7 +32,8 @@ def heeded() -> Iterator[None]:
     """
     # Blender's own handlers would wait for the end.
     former: dict[int, Any] = {}
-    _received.clear()
+    _state.received.clear()
+    _state.is_waiting = False
     try:
         for name in (*ENDING, *PASSED_OVER):
             number = getattr(signal, name, None)
@@ -40,16 +52,49 @@ def heeded() -> Iterator[None]:
 
 def heed() -> None:
     """Raise KeyboardInterrupt if a signal came that Blender, or an add-on of it, kept to itself."""
-    if _received:
+    if _state.received:
+        raise KeyboardInterrupt
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Have signals wait meanwhile; one that came raises KeyboardInterrupt at the end."""
+    with _holding(True):
+        yield
+    _let_go()
+
+
+@contextmanager
+def released() -> Iterator[None]:
+    """Have signals raise KeyboardInterrupt at once, in what holds them otherwise."""
+    with _holding(False):
+        _let_go()
+        yield
+
+
+@contextmanager
+def _holding(is_held: bool) -> Iterator[None]:
+    former, _state.is_held = _state.is_held, is_held
+    try:
+        yield
+    finally:
+        _state.is_held = former
+
+
+def _let_go() -> None:
+    if _state.is_waiting and not _state.is_held:
+        _state.is_waiting = False
         raise KeyboardInterrupt
 
 
 def code() -> int:
     """The exit code after a signal, as shells count them."""
-    return 128 + (_received[0] if _received else signal.SIGINT)
+    return 128 + (_state.received[0] if _state.received else signal.SIGINT)
 
 
 def _receive(number: int, _frame: FrameType | None) -> None:
-    _received.append(number)
-    if len(_received) == 1:
-        raise KeyboardInterrupt
+    _state.received.append(number)
+    if len(_state.received) == 1:
+        _state.is_waiting = _state.is_held
+        if not _state.is_held:
+            raise KeyboardInterrupt
