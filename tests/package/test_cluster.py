@@ -189,16 +189,17 @@ def test_two_hosts_share_the_work_over_tls(folder: Path, tmp_path: Path):
 
     def on(host: str, *command: object, **others) -> subprocess.Popen[str]:
         line = ["ip", "netns", "exec", host, *map(str, command)]
-        return subprocess.Popen(line, text=True, stderr=subprocess.PIPE, **others)
+        return subprocess.Popen(line, text=True, **{"stderr": subprocess.PIPE} | others)
 
     def dask(host: str, role: str, *options: object) -> subprocess.Popen[str]:
         module = f"distributed.cli.dask_{role}"
-        return on(host, sys.executable, "-m", module, "--no-dashboard", *options, **more)
+        quiet = more | {"stderr": subprocess.DEVNULL}  # nobody reads it while they run
+        return on(host, sys.executable, "-m", module, "--no-dashboard", *options, **quiet)
 
     with two_hosts(), ExitStack() as stack:
 
         def ended(process: subprocess.Popen[str]) -> subprocess.Popen[str]:
-            stack.callback(process.communicate)
+            stack.callback(process.wait)
             stack.callback(process.terminate)
             return process
 
@@ -213,12 +214,12 @@ def test_two_hosts_share_the_work_over_tls(folder: Path, tmp_path: Path):
         before = len(lines_of(report))
         wait_for(lambda: len(lines_of(report)) >= before + 20)
         run.send_signal(signal.SIGINT)
-        assert run.wait(60) == 128 + signal.SIGINT
-        run.communicate()
+        run.communicate(timeout=60)
+        assert run.returncode == 128 + signal.SIGINT
         again = on(first, *command, **more)
         told = again.communicate(timeout=300)[1]
         assert again.returncode == 1, told
         check(folder, out, report)
         refused = on(first, *command, cwd=tmp_path)  # it has no certificate
-        assert refused.wait(120) == 2
-        assert "--scheduler tls://" in refused.communicate()[1]
+        assert "--scheduler tls://" in refused.communicate(timeout=120)[1]
+        assert refused.returncode == 2

@@ -20,6 +20,8 @@ library: Any = distributed  # its functions have no types
 RESOURCE = "memory"
 # So long a scheduler may take to answer.
 PATIENCE = "30s"
+# So many seconds may pass until it has taken leave; else it is left to find out.
+LEAVE = 10
 # What watches workers many times a second takes a part of the cores that they share. These hold for
 # workers on this machine, where the user has not set them.
 CALM = {
@@ -101,7 +103,7 @@ class OnDask:
         for each in (self._client, self._cluster):
             if each is not None:
                 with suppress(Exception):  # a scheduler that is gone
-                    each.close()
+                    each.close(timeout=LEAVE)
 
 
 def _local_cluster(need: int) -> Any:
