@@ -28,7 +28,7 @@ test_in() {
   # The tools take packages of the development's environment.
   # shellcheck disable=SC2086  # a command line
   PYTHONPATH=.build/bpy-$2 PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $1 -s -c "$run_pytest" \
-    -m "not executable" --ignore tests/blender/test_bench_posing.py \
+    -m "not executable and not once" --ignore tests/blender/test_bench_posing.py \
     --ignore tests/blender/test_limb_turns.py tests/blender >".build/bpy-$2.txt" 2>&1
 }
 

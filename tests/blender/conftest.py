@@ -72,6 +72,7 @@ install()
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "executable: starts a real Blender executable")
     config.addinivalue_line("markers", "longest: takes minutes, and starts first")
+    config.addinivalue_line("markers", "once: is long, of code of our own, and runs in one Blender")
 
 
 @pytest.hookimpl(tryfirst=True)

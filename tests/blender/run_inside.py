@@ -8,7 +8,7 @@ PACKAGES is a directory with pytest, which Blender has not.
 import sys
 from pathlib import Path
 
-OPTIONS = ["-rs", "-p", "no:cacheprovider", "-m", "not executable"]
+OPTIONS = ["-rs", "-p", "no:cacheprovider", "-m", "not executable and not once"]
 
 
 if __name__ == "__main__":  # processes that tests spawn read this file too

@@ -151,6 +151,7 @@ def test_files_saved_in_edit_mode(monkey, tmp_path: Path):
     assert len(band_values(meshes()[0])) == 3
 
 
+@pytest.mark.once
 def test_render(tmp_path: Path):
     pictures = tmp_path / "pictures {#} ##"  # which mean more to Blender's renderer
     pictures.mkdir()

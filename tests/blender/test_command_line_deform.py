@@ -253,6 +253,7 @@ def test_other_formats_hold_the_deformed_shape_alone(tmp_path: Path, suffix):
     assert_same_places(shown(), expected)
 
 
+@pytest.mark.once
 def test_pictures_show_the_deformed_shape_of_the_frame(tmp_path: Path):
     source = write_held(tmp_path / "held.blend")
     pictures = []

@@ -8,6 +8,8 @@ import bpy
 import pytest
 from command_line_files import empty, run, write_monkey
 
+pytestmark = pytest.mark.once
+
 MOVE = ["--move", "z>90%:0,0,1"]
 
 

@@ -15,6 +15,8 @@ from command_line_files import (
     write_scene,
 )
 
+pytestmark = pytest.mark.once
+
 FLAT = ["--method", "m3", "--base", "flat"]
 
 

@@ -10,6 +10,8 @@ import pytest
 import spectral_tv
 from command_line_files import QUICK, decompose, load, meshes, run, write_monkey
 
+pytestmark = pytest.mark.once
+
 NAMES = {
     "NAIVE": "Per Axis",
     "HEAT": "Heat",

@@ -13,6 +13,8 @@ from spectral_tv.attributes.accuracy import needs
 from spectral_tv.bands.settings import Settings
 from spectral_tv.options import estimates
 
+pytestmark = pytest.mark.once
+
 
 def module(name):
     return importlib.import_module(f"{MODULE}.{name}")

@@ -16,7 +16,6 @@ REASONS = (
     "this Blender is built without",
     "got empty parameter set for (suffix)",  # of formats that it is built without
     "no disk can be mounted",
-    "starts Python with bpy",
     "could not import 'trimesh'",  # which examples of the docs need, and the next
     "could not import 'matplotlib'",
 )

@@ -16,6 +16,8 @@ from spectral_tv.files import obj as objs
 from spectral_tv.files import ply
 from spectral_tv.files import ply_table as tables
 
+pytestmark = pytest.mark.once
+
 ALL_PASS = ["--gain", "all=1", "--bands", "1", "--steps", "2"]
 ORDINARY = re.compile(r"\d+ %|: wrote |the filter changes nothing")
 ORDERS = {"": "ascii", "<": "binary_little_endian", ">": "binary_big_endian"}

@@ -10,6 +10,8 @@ import bpy
 import pytest
 from ball import ball
 
+pytestmark = pytest.mark.once
+
 COUNT = 200
 BANDS, STEPS = 3, 64  # flows much larger than what else a decomposition leaves
 

@@ -211,6 +211,7 @@ def refused(match: str) -> None:
     assert not differences(before, contents())
 
 
+@pytest.mark.once
 def test_what_does_not_fit_is_refused_and_changes_nothing(head):
     work = decomposed_work()
     modifier = work.modifiers.new("Subdivision", "SUBSURF")

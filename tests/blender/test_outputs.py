@@ -15,7 +15,6 @@ import bpy
 import numpy as np
 import pytest
 from command_line_files import empty, exportable, load, meshes, run, write_scene
-from conftest import IN_BLENDER
 from disks import disk, protect
 from spectral_tv.files import checks
 from spectral_tv.refusal import Refusal
@@ -64,6 +63,7 @@ def test_an_output_that_does_not_fit_is_no_success(tmp_path: Path, capfd, suffix
     assert os.strerror(errno.ENOSPC) in error or "its disk is full" in error
 
 
+@pytest.mark.once
 def test_a_picture_that_does_not_fit_is_no_success(tmp_path: Path, capfd):
     source, shape = picture(tmp_path / "noise.png"), ball(tmp_path / "ball.ply", 2)
     with disk(tmp_path / "disk", 40) as place:
@@ -139,6 +139,7 @@ def counted(command: list[str], moment: int = -1, number: int = 0) -> tuple[int,
         sys.setprofile(former)
 
 
+@pytest.mark.once
 @pytest.mark.parametrize(
     ("suffix", "name"),
     [(".gltf", "SIGINT"), (".obj", "SIGTERM"), (".blend", "SIGINT"), (".fbx", "SIGTERM")],
@@ -217,7 +218,7 @@ def broken_pipe() -> dict:
     return {"stdout": write, "stderr": write}
 
 
-@pytest.mark.skipif(IN_BLENDER, reason="starts Python with bpy")
+@pytest.mark.once
 @pytest.mark.parametrize("streams", [closed_error, broken_pipe])
 def test_lost_messages_are_no_failure(tmp_path: Path, streams):
     source = ball(tmp_path / "ball.ply", 3)
