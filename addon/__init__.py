@@ -5,6 +5,7 @@ use the package spectral_tv. If it cannot be used, nothing is registered but a p
 and a command that says the same.
 """
 
+import gc
 from importlib import import_module
 from types import ModuleType
 
@@ -16,9 +17,15 @@ _registered: ModuleType | None = None
 def register() -> None:
     """Called by Blender when the extension is enabled."""
     global _registered  # noqa: PLW0603 - it lives as long as the module
-    name = "registration" if native.problem() is None else "unavailable"
-    part = import_module(f".{name}", __package__)
-    part.register()
+    collects = gc.isenabled()
+    gc.disable()  # of what is read here nothing is garbage, and to look through it takes time
+    try:
+        name = "registration" if native.problem() is None else "unavailable"
+        part = import_module(f".{name}", __package__)
+        part.register()
+    finally:
+        if collects:
+            gc.enable()
     _registered = part
 
 

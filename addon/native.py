@@ -1,7 +1,7 @@
 """Whether the native module is there, and is the one this extension was made with."""
 
 import platform
-import tomllib
+import re
 from importlib import import_module
 from pathlib import Path
 
@@ -34,7 +34,7 @@ def problem() -> str | None:
 def version() -> str:
     """Return the version of the extension, which its build writes into the manifest."""
     manifest = (_HERE / "blender_manifest.toml").read_text(encoding="utf-8")
-    return tomllib.loads(manifest)["version"]
+    return re.search(r'^version = "(.+)"', manifest, re.MULTILINE)[1]
 
 
 def this_platform() -> str:

@@ -1,16 +1,20 @@
 """Registering the classes, properties and verbs of the features.
 
-A feature's ``__init__.py`` names in FILES, in order, the files that have classes of Blender. A
-property group with an ``owner``, a type of Blender's and a name, becomes a property of that type.
-VERBS has the names of the feature's verbs of the command line, classes of its file ``verb``, which
-is read when a command line runs: windows start without. START has functions that are called when
-the extension is enabled. LOADED has functions that are called then too, and when Blender has
-loaded, linked or appended from a file. FORGET has functions that are called when Blender loads a
-file and when the extension is disabled. WITHDRAW has functions for the latter alone.
+A feature's ``__init__.py`` has names alone, so that no file is read before it is needed. FILES has,
+in order, those of the files that have classes of Blender, and that are told of changes by a list of
+another file, which they are added to when they are read. A property group with an ``owner``, a type
+of Blender's and a name, becomes a property of that type. VERBS has the feature's verbs of the
+command line, classes of its file ``verb``, which is read when a command line runs: windows start
+without. The others have functions, each after its file. Those of START are called when the
+extension is enabled, and those of LOADED then too, and when Blender has loaded, linked or appended
+from a file. Those of FORGET are called when Blender loads a file and when the extension is
+disabled, and those of WITHDRAW in the latter case alone; files that were never read hold nothing.
 """
 
+import sys
 from collections.abc import Iterator
-from itertools import chain
+from importlib import import_module
+from operator import attrgetter
 from types import ModuleType
 
 import bpy
@@ -47,29 +51,42 @@ def _verbs() -> list[command_line.Named]:
     ]
 
 
-def _all(name: str) -> list:
-    return list(chain.from_iterable(getattr(part, name, ()) for part in _PARTS))
+def _named(table: str) -> Iterator[tuple[str, str]]:
+    """The module of each name in a table of the features, and what of it is meant."""
+    for part in _PARTS:
+        for name in getattr(part, table, ()):
+            file, _, meant = name.partition(".")
+            yield f"{part.__name__}.{file}", meant
+
+
+def _call_all(table: str) -> None:
+    for module, function in _named(table):
+        attrgetter(function)(import_module(module))()
+
+
+def _end_all(table: str) -> None:
+    for module, function in _named(table):
+        if module in sys.modules:
+            attrgetter(function)(sys.modules[module])()
 
 
 def _classes() -> Iterator[type]:
     """Blender's classes, in the order in which the files have them."""
-    for file in _all("FILES"):
-        for each in vars(file).values():
-            is_own = isinstance(each, type) and each.__module__ == file.__name__
+    for module, _ in _named("FILES"):
+        for each in vars(import_module(module)).values():
+            is_own = isinstance(each, type) and each.__module__ == module
             if is_own and issubclass(each, _KINDS):
                 yield each
 
 
 @persistent
 def _forget(*_arguments: object) -> None:
-    for forget in _all("FORGET"):
-        forget()
+    _end_all("FORGET")
 
 
 @persistent
 def _loaded(*_arguments: object) -> None:
-    for loaded in _all("LOADED"):
-        loaded()
+    _call_all("LOADED")
 
 
 def _loading_handlers() -> list[list]:
@@ -110,8 +127,7 @@ def register() -> None:
         _loaded()
     command_line.register(_verbs())
     preferences.RENAMED.append(_move_panels)
-    for start in _all("START"):
-        start()
+    _call_all("START")
 
 
 def unregister() -> None:
@@ -121,8 +137,8 @@ def unregister() -> None:
     bpy.app.handlers.load_pre.remove(_forget)
     for handlers in _loading_handlers():
         handlers.remove(_loaded)
-    for end in (_forget, *_all("WITHDRAW")):
-        end()
+    _forget()
+    _end_all("WITHDRAW")
     for cls in reversed([*_classes()]):
         if hasattr(cls, "owner"):
             delattr(*cls.owner[:2])

@@ -1,14 +1,16 @@
 """Functions on a mesh: attributes, vertex groups and shape keys, read, flowed and written back."""
 
-from . import (
-    accuracy_panel,
-    eigenset,
-    flow,
-    measure_accuracy,
-    panel,
-    properties,
-    thickness,
-    values,
-)
+from spectral_tv.later import modules_of
 
-FILES = (properties, flow, values, eigenset, thickness, measure_accuracy, panel, accuracy_panel)
+__getattr__ = modules_of(__name__)
+
+FILES = (
+    "properties",
+    "flow",
+    "values",
+    "eigenset",
+    "thickness",
+    "measure_accuracy",
+    "panel",
+    "accuracy_panel",
+)

@@ -1,9 +1,11 @@
 """The accuracy of a decomposition as a text, attributes and colors."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.attributes.accuracy import ERRORS, table
+from spectral_tv.later import np
 
 from ..scene import results
 from ..scene.documents import keep_text

@@ -1,11 +1,13 @@
 """Values over time as a table, and as a picture of curves."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
 from itertools import pairwise
 
 import bpy
-import numpy as np
 import spectral_tv
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..drawing.ink import HEIGHT, color, mask

@@ -1,20 +1,18 @@
 """The operator that tests whether a vertex group is an eigenset."""
 
-from dataclasses import dataclass
-
 import bpy
-import numpy as np
 import spectral_tv
 from bpy.props import StringProperty
 from spectral_tv.attributes.settings import chosen_elements
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from ..job.operator import JobOperator
 from ..options.properties import choices_of
 from ..scene import mix
 from ..scene.surface import Surface
-from .outputs import write
+from . import outputs, sources
 from .settings import EigensetSettings
-from .sources import Source, read
 
 SUPERSET = "Superset"
 
@@ -23,9 +21,9 @@ SUPERSET = "Superset"
 class Prepared:
     """A vertex group, the surface it is on, and which vertices of that are in it."""
 
-    source: Source
+    source: "sources.Source"
     surface: Surface
-    members: np.ndarray
+    members: "np.ndarray"
     elements: str
 
 
@@ -46,7 +44,7 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, EigensetChoices, bpy.types.Opera
     )
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
-        source, surface = read(obj, "GROUP", self.group), Surface.read(obj, mix.shown(obj))
+        source, surface = sources.read(obj, "GROUP", self.group), Surface.read(obj, mix.shown(obj))
         members = surface.merge(source.values)[:, 0] >= 0.5
         elements = chosen_elements(self.elements, members.astype(float))
         return Prepared(source, surface, members, elements)
@@ -57,17 +55,17 @@ class SPECTRAL_TV_OT_test_eigenset(JobOperator, EigensetChoices, bpy.types.Opera
         )
 
     def write(
-        self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.EigensetTest
+        self, obj: bpy.types.Object, prepared: Prepared, result: "spectral_tv.EigensetTest"
     ) -> str:
         text = verdict(prepared.source.name, result)
         if not result.minimal_perimeter:
             superset = prepared.surface.to_vertices(result.superset)
-            (name,) = write(obj, prepared.source, {SUPERSET: superset[:, np.newaxis]})
+            (name,) = outputs.write(obj, prepared.source, {SUPERSET: superset[:, np.newaxis]})
             text += f", {name!r}"
         return f"{text}; tested on {prepared.elements}"
 
 
-def verdict(name: str, test: spectral_tv.EigensetTest) -> str:
+def verdict(name: str, test: "spectral_tv.EigensetTest") -> str:
     """What a test found, in words."""
     straight = "in a straight line" if test.straightness >= 0.999 else "not in a straight line"
     text = (

@@ -4,8 +4,7 @@ import bpy
 import spectral_tv
 
 from ..job.operator import JobOperator
-from .flows import Prepared, prepare, results
-from .outputs import write
+from . import flows, outputs
 from .properties import AttributeChoices
 
 
@@ -17,15 +16,17 @@ class SPECTRAL_TV_OT_flow_attribute(JobOperator, AttributeChoices, bpy.types.Ope
     bl_label = "Flow"
     working = "Flowing on"
 
-    def prepare(self, obj: bpy.types.Object) -> Prepared:
-        return prepare(obj, self.settings())
+    def prepare(self, obj: bpy.types.Object) -> "flows.Prepared":
+        return flows.prepare(obj, self.settings())
 
-    def start(self, prepared: Prepared) -> spectral_tv.Job:
+    def start(self, prepared: "flows.Prepared") -> spectral_tv.Job:
         return spectral_tv.start_flow(prepared.surface.mesh, **prepared.arguments)
 
-    def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Flow) -> str:
-        found = results(prepared, self.settings(), result)
-        names = write(obj, prepared.source, found)
+    def write(
+        self, obj: bpy.types.Object, prepared: "flows.Prepared", result: spectral_tv.Flow
+    ) -> str:
+        found = flows.results(prepared, self.settings(), result)
+        names = outputs.write(obj, prepared.source, found)
         text = f"{prepared.source.name!r} written as {', '.join(map(repr, names))}"
         if prepared.arguments.get("elements") == "edges":
             text += ", flowed on edges"

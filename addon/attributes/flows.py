@@ -1,13 +1,15 @@
 """From a function on an object to its flow, and from the flow to the results that are written."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
 from typing import Any
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.attributes.flows import arguments, functions
 from spectral_tv.bands.filtering import FILTERED, filter_values
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from ..bands import filter_curve
 from ..scene import mix

@@ -10,9 +10,9 @@ from spectral_tv.attributes.accuracy import ERRORS, arguments, measured, told
 from spectral_tv.bands.methods import METHODS
 from spectral_tv.refusal import Refusal
 
+from ..bands import shapes
 from ..bands.bands import base_shape, settings_as_taken
 from ..bands.properties import DecompositionChoices
-from ..bands.shapes import read_surfaces
 from ..job.operator import JobOperator
 from ..scene.records import record_of
 from ..scene.surface import Surface
@@ -49,7 +49,7 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
             self.fill(settings_as_taken(record))
             self.of_bands = False  # what is adjusted afterwards counts
         settings = measured(self.settings())
-        surface = read_surfaces([obj], settings, without_bands=True)[0]
+        surface = shapes.read_surfaces([obj], settings, without_bands=True)[0]
         base = base_shape([obj], settings, [surface])
         return surface, arguments(settings, surface.mesh, base)
 
@@ -57,7 +57,9 @@ class SPECTRAL_TV_OT_measure_accuracy(JobOperator, DecompositionChoices, bpy.typ
         surface, arguments = prepared
         return spectral_tv.start_accuracy(surface.mesh, **arguments)
 
-    def write(self, obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Accuracy) -> str:
+    def write(
+        self, obj: bpy.types.Object, prepared: Prepared, result: "spectral_tv.Accuracy"
+    ) -> str:
         surface, _ = prepared
         names = accuracy.write(obj, METHODS[self.method].label, surface, result, self.shown)
         done = told(obj.data.spectral_tv.accuracy.as_string())

@@ -1,8 +1,10 @@
 """Writing functions on a mesh, each beside the function it was made from."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
 from spectral_tv.attributes.flows import BAND, REST
+from spectral_tv.later import np
 
 from ..scene import results
 from ..scene.results import Piece

@@ -1,14 +1,14 @@
 """The settings of functions on a mesh that only Blender has."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
 from spectral_tv.attributes import settings
 from spectral_tv.attributes.settings import elements
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import Only, choice, name_of, redeclared
 
-from .sources import names
+from . import sources
 
 PARTS = (
     ("GROUPS", "Vertex Groups", "The mean value of every chosen vertex group"),
@@ -18,7 +18,7 @@ PARTS = (
 
 def _names(choices: Any, context: bpy.types.Context, _text: str) -> list[str]:
     obj = context.active_object
-    return names(obj, choices.kind) if obj is not None and obj.type == "MESH" else []
+    return sources.names(obj, choices.kind) if obj is not None and obj.type == "MESH" else []
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,12 @@
 """What can be flowed: attributes, vertex groups and shape keys, as values of the vertices."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
 import bpy
-import numpy as np
 from spectral_tv.attributes.flows import ensure_finite
 from spectral_tv.attributes.settings import KINDS
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.means import means
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal

@@ -1,8 +1,10 @@
 """The operator that measures how thick a mesh is."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
 import spectral_tv
+from spectral_tv.later import np
 
 from ..job.operator import JobOperator
 from ..scene import mix, results

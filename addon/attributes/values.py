@@ -1,14 +1,14 @@
 """Operators that show the values of vertices and groups over time: as table, picture and file."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
-import numpy as np
 import spectral_tv
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
-from spectral_tv.files.whole import NotWritten, write_text
+from spectral_tv.dataclass import dataclass
+from spectral_tv.files import whole
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
@@ -20,8 +20,8 @@ from .properties import MeasureChoices
 class Prepared:
     """A function to be flowed, and the weights of what is measured, by name."""
 
-    function: flows.Prepared
-    parts: dict[str, np.ndarray]
+    function: "flows.Prepared"
+    parts: "dict[str, np.ndarray]"
 
 
 class SPECTRAL_TV_OT_plot_values(JobOperator, MeasureChoices, bpy.types.Operator):
@@ -93,6 +93,6 @@ class SPECTRAL_TV_OT_export_values(ExportHelper, bpy.types.Operator):
 def save(path: str, text: str) -> None:
     """Write a text to a file, // being the folder of the .blend; raises Refusal if it cannot."""
     try:
-        write_text(Path(bpy.path.abspath(path)), text)
-    except NotWritten as error:
+        whole.write_text(Path(bpy.path.abspath(path)), text)
+    except whole.NotWritten as error:
         raise Refusal(str(error)) from error

@@ -1,8 +1,7 @@
 """Which decompositions act: what they change of the shape that is seen, and what is muted."""
 
-from dataclasses import dataclass
-
 import bpy
+from spectral_tv.dataclass import dataclass
 from spectral_tv.notes import listed
 
 from ..scene.decomposition import SpectralTVRecord

@@ -1,16 +1,19 @@
 """A decomposition written as bands, beside those that there are or in the place of one of them."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.bands.settings import Settings
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import about, listed, note
 
 from ..scene import masks
@@ -92,7 +95,7 @@ class _Pending:
     is_part: bool
 
     @classmethod
-    def of(cls, part: Part, settings: Settings, name: str, is_part: bool) -> "_Pending":
+    def of(cls, part: Part, settings: Settings, name: str, is_part: bool) -> _Pending:
         """Add the keys."""
         adopt(part.obj.data)
         record = replaced(part.obj, settings)

@@ -7,13 +7,12 @@ from bpy.props import EnumProperty
 from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 
-from ..scene import masks, mix
+from ..scene import keeping, masks, mix
 from ..scene.applying import FOLLOWERS
-from ..scene.keeping import PLACES, Band, place_of
 from ..scene.look import become
 from ..scene.objects import take_place
 from ..scene.records import all_bands_of, forget, place_refusal, records_of
-from .carrying import settle
+from . import carrying
 from .set_bands import BandsOperator, bands_refusal
 
 WHERE = (
@@ -58,7 +57,7 @@ class SPECTRAL_TV_OT_apply_look(BandsOperator, bpy.types.Operator):
         return f"{len(bands)} bands became the shape of {obj.name!r}{left}"
 
 
-def become_look(obj: bpy.types.Object, spent: Sequence[Band]) -> None:
+def become_look(obj: bpy.types.Object, spent: "Sequence[keeping.Band]") -> None:
     """Have what some keys do now, masks and mutes included, be the shape of the mesh.
 
     They are removed, and the mesh has no decompositions any more.
@@ -74,13 +73,13 @@ def become_look(obj: bpy.types.Object, spent: Sequence[Band]) -> None:
     masks.release(obj)
 
 
-def _tell_readers(obj: bpy.types.Object, spent: Sequence[Band]) -> None:
+def _tell_readers(obj: bpy.types.Object, spent: "Sequence[keeping.Band]") -> None:
     """Have what follows bands by Carry Along stay as it is, and note what else reads them."""
-    settled = settle(obj, spent)
+    settled = carrying.settle(obj, spent)
     if settled:
         note(f"these stay as the look has them, and follow no longer: {listed(settled)}")
-    for place in PLACES.values():
-        left = place.readers(obj, [band for band in spent if place_of(band) == place])
+    for place in keeping.PLACES.values():
+        left = place.readers(obj, [band for band in spent if keeping.place_of(band) == place])
         if left:
             note(f"drivers of {listed(left)} read these bands, and find them no more")
 
@@ -103,10 +102,10 @@ def pinned_refusal(obj: bpy.types.Object) -> str | None:
     return f"{setting} shows one shape key alone; turn it off first"
 
 
-def note_unsettled(obj: bpy.types.Object, bands: list[Band], done: str) -> None:
+def note_unsettled(obj: bpy.types.Object, bands: "list[keeping.Band]", done: str) -> None:
     """Note which bands are animated, and that they are ``done`` all the same; and which are soloed,
     so that others do not count."""
-    moving = [key.name for key in bands if place_of(key).animation_of(key, "value")]
+    moving = [key.name for key in bands if keeping.place_of(key).animation_of(key, "value")]
     if moving:
         note(f"animated, {done}: {listed(moving)}")
     for record in records_of(obj):

@@ -4,11 +4,11 @@ A change is followed after a short pause; a new one ends what runs. The work is 
 beside the window, and Esc cancels it.
 """
 
-import uuid
 from collections.abc import Callable
 
 import bpy
 from spectral_tv.bands.settings import Settings
+from spectral_tv.later import uuid
 
 from ..drawing.sidebar import say
 from ..drawing.views import redraw_views
@@ -18,10 +18,8 @@ from ..options.properties import properties_of
 from ..scene import listening
 from ..scene.objects import refusal
 from ..scene.records import record_of
-from . import decompose, properties, whole_change
-from .at_once_plan import Stage, foreign, options_of_all, plan, waiting
+from . import at_once_plan, decompose, properties, whole_change
 from .take_settings import SPECTRAL_TV_OT_take_settings
-from .whole_change import DONE, MADE, PREVIEWED, UNDER_WAY
 
 # Seconds without a change after which it is followed, and between two looks at what runs.
 PAUSE, POLL = 0.3, 0.1
@@ -39,8 +37,8 @@ class _Now:
     is_new = False
     # The change, what has to be done still, and what is being done.
     change = ""
-    stages: tuple[Stage, ...] = ()
-    stage: Stage | None = None
+    stages: "tuple[at_once_plan.Stage, ...]" = ()
+    stage: "at_once_plan.Stage | None" = None
     job: Running | None = None
     is_previewed = False
     # What the panel says of it.
@@ -65,17 +63,17 @@ def take(scene: bpy.types.Scene, *names: str) -> bool:
     if _subject(obj) != _Now.subject:
         _Now.subject, _Now.changed, _Now.is_new = _subject(obj), frozenset(), False
     if SWITCH in names:
-        _Now.changed, _Now.is_new = options_of_all(), True
+        _Now.changed, _Now.is_new = at_once_plan.options_of_all(), True
     _Now.changed |= {*names} - {SWITCH}
-    if waiting(obj, choices.settings(), _Now.changed, _Now.is_new) is not None:
+    if at_once_plan.waiting(obj, choices.settings(), _Now.changed, _Now.is_new) is not None:
         return False
-    planned = plan(obj, choices.settings(), _Now.changed)
+    planned = at_once_plan.plan(obj, choices.settings(), _Now.changed)
     _tell(planned.told)
     if not planned.stages:  # it is so already, or left to the button
         _Now.changed = _Now.changed if planned.told else frozenset()
         return False
     _Now.change = uuid.uuid4().hex
-    whole_change.mark(scene, _Now.change, MADE)
+    whole_change.mark(scene, _Now.change, whole_change.MADE)
     return True
 
 
@@ -85,10 +83,10 @@ def follow() -> None:
     choices = scene.spectral_tv
     if not _Now.change or not choices.at_once:
         return
-    if waiting(obj, choices.settings(), _Now.changed, _Now.is_new) is not None:
+    if at_once_plan.waiting(obj, choices.settings(), _Now.changed, _Now.is_new) is not None:
         whole_change.mark(scene, "", "")
         return
-    planned = plan(obj, choices.settings(), _Now.changed)
+    planned = at_once_plan.plan(obj, choices.settings(), _Now.changed)
     _Now.stages = planned.stages
     _tell(planned.told)
     _Now.is_previewed = False
@@ -141,10 +139,10 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         return
     names = _Now.changed if is_same else frozenset()
     settings, record = choices.settings(), record_of(obj)
-    reason = waiting(obj, settings, names, is_same and _Now.is_new)
+    reason = at_once_plan.waiting(obj, settings, names, is_same and _Now.is_new)
     if reason is not None and record is not None and refusal(obj) is None:
         say(layout, context, reason, "INFO")
-        if foreign(record, settings, names):
+        if at_once_plan.foreign(record, settings, names):
             layout.operator(SPECTRAL_TV_OT_take_settings.bl_idname, icon="COPYDOWN")
     elif is_same and _Now.told:
         say(layout, context, _Now.told, "INFO")
@@ -202,7 +200,7 @@ def _next() -> None:
         _Now.stage, *rest = _Now.stages
         _Now.stages = tuple(rest)
         # What the user does meanwhile has a step of undo that is no part of the change.
-        whole_change.mark(bpy.context.scene, _Now.change, UNDER_WAY)
+        whole_change.mark(bpy.context.scene, _Now.change, whole_change.UNDER_WAY)
         try:
             status = _run(_Now.stage)
         except RuntimeError as error:  # it was reported
@@ -218,7 +216,7 @@ def _next() -> None:
     _Now.stage = None
 
 
-def _run(stage: Stage) -> set[str]:
+def _run(stage: "at_once_plan.Stage") -> set[str]:
     if stage.is_cut:
         _written(bpy.context.view_layer.objects.active, stage.settings)
         count = stage.settings.band_count
@@ -263,7 +261,7 @@ def _written(obj: bpy.types.Object, settings: Settings) -> None:
         _Now.changed |= {"steps", "accuracy"}
     elif is_last:
         _Now.changed, _Now.is_new = frozenset(), False
-    whole_change.mark(scene, _Now.change, DONE if is_last else PREVIEWED)
+    whole_change.mark(scene, _Now.change, whole_change.DONE if is_last else whole_change.PREVIEWED)
     _Now.stage = None
 
 

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import bpy
 from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import is_replaced, options_of
 from spectral_tv.options.estimates import Needs
 

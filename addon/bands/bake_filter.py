@@ -2,28 +2,28 @@
 
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
-import numpy as np
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from spectral_tv.bands.settings import Settings
-from spectral_tv.files.whole import NotWritten, ensure_writable
+from spectral_tv.dataclass import dataclass
+from spectral_tv.files import whole
 from spectral_tv.jobs.steps import Steps
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
 from ..job.progress import cursor_progress
+from ..options.properties import RELATIVE
 from ..scene import applied
 from ..scene.coordinates import points
 from ..scene.objects import take_place
 from ..scene.records import bands_of, record_of
-from . import point_cache
+from . import frame_shapes, point_cache
 from .bands import settings_as_taken
 from .frame_filter import SCALES, Filtered, note_all, start
-from .frame_shapes import FrameShape, meshes_of_frames, read_frames
 from .set_bands import bands_refusal
 
 LABEL = "Filtered"
@@ -33,7 +33,7 @@ LABEL = "Filtered"
 class Prepared:
     """What is seen on the frames, the settings of the bands, and the file of the cache."""
 
-    shapes: list[FrameShape]
+    shapes: "list[frame_shapes.FrameShape]"
     settings: Settings
     target: Path
 
@@ -56,7 +56,7 @@ class BakeChoices:
         description="The file that keeps the result, an .abc or a .pc2; beside the .blend if none "
         "is named",
         subtype="FILE_PATH",
-        options=point_cache.RELATIVE,
+        options=RELATIVE,
     )
 
 
@@ -89,12 +89,12 @@ class SPECTRAL_TV_OT_bake_filter(BakeChoices, JobOperator, bpy.types.Operator):
             raise Refusal("a shape key as the base is not there on every frame")
         target = point_cache.target_of(obj, self.filepath)
         try:
-            ensure_writable(target)
-        except NotWritten as error:
+            whole.ensure_writable(target)
+        except whole.NotWritten as error:
             raise Refusal(str(error)) from error
         _tell(obj)
         with cursor_progress(bpy.context) as progress:
-            shapes = read_frames(obj, self._frames(), progress)
+            shapes = frame_shapes.read_frames(obj, self._frames(), progress)
         prepared = Prepared(shapes, settings, target)
         point_cache.ensure_holds(target, keeps_vertices=prepared.keeps_vertices)
         return prepared
@@ -146,7 +146,7 @@ def _tell(obj: bpy.types.Object) -> None:
 def _in_the_place_of(obj: bpy.types.Object, frames: range) -> Iterator[bpy.types.Object]:
     """Yield a new object with what is seen of ``obj`` on the first frame; it is gone if the block
     fails."""
-    with closing(meshes_of_frames(obj, frames[:1])) as meshes:
+    with closing(frame_shapes.meshes_of_frames(obj, frames[:1])) as meshes:
         _, mesh = next(meshes)
         new = applied.object_of(mesh.copy(), obj, LABEL)
     try:
@@ -159,13 +159,13 @@ def _in_the_place_of(obj: bpy.types.Object, frames: range) -> Iterator[bpy.types
 def _meshes(
     obj: bpy.types.Object,
     frames: range,
-    seen: list[FrameShape],
-    shapes: list[np.ndarray],
+    seen: "list[frame_shapes.FrameShape]",
+    shapes: "list[np.ndarray]",
 ) -> list[bpy.types.Mesh]:
     """A mesh of every frame in its shape (V, 3); raises Refusal if what is seen changed since."""
     found: list[bpy.types.Mesh] = []
     try:
-        with closing(meshes_of_frames(obj, frames)) as meshes:
+        with closing(frame_shapes.meshes_of_frames(obj, frames)) as meshes:
             for (frame, mesh), before, shape in zip(meshes, seen, shapes, strict=True):
                 if not np.array_equal(points(mesh.vertices).astype(np.float32), before.vertices):
                     raise Refusal(f"nothing was written, as frame {frame} changed in the meantime")

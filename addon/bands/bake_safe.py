@@ -1,11 +1,10 @@
 """The operator that bakes the mix of the bands without what folds."""
 
-from dataclasses import dataclass
-
 import bpy
 from bpy.props import BoolProperty
 from spectral_tv.bands.clamping import Clamped
 from spectral_tv.bands.guard import GuardSettings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Steps
 from spectral_tv.refusal import Refusal
 
@@ -13,7 +12,7 @@ from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..options.properties import choices_of
 from ..scene.objects import distinct_meshes
-from .clamping import Clamping
+from . import clamping
 from .set_bands import bands_refusal
 
 
@@ -22,7 +21,7 @@ class Prepared:
     """The objects, and what is to be clamped of them."""
 
     seen: list[Seen]
-    clamping: Clamping
+    clamping: "clamping.Clamping"
 
 
 class SPECTRAL_TV_OT_bake_safe(JobOperator, choices_of(GuardSettings, "guard"), bpy.types.Operator):
@@ -56,7 +55,7 @@ class SPECTRAL_TV_OT_bake_safe(JobOperator, choices_of(GuardSettings, "guard"), 
             if reason is not None:
                 raise Refusal(f"{each.name}: {reason}")
         seen = [Seen.of(each) for each in objects]
-        return Prepared(seen, Clamping.read(objects, self.settings()))
+        return Prepared(seen, clamping.Clamping.read(objects, self.settings()))
 
     def start(self, prepared: Prepared) -> Steps[Clamped]:
         return prepared.clamping.start()

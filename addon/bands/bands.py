@@ -1,22 +1,25 @@
 """Decompositions as bands of objects: prepared, started, remembered, set."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.bands.settings import BEFORE, ON_NEW_OBJECT, SMOOTHED, Settings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.together import Together
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
+from ..scene import keeping, shape_keys
 from ..scene.applying import FOLLOWERS
 from ..scene.contents import digest, topology_digest
 from ..scene.decomposition import SpectralTVRecord
-from ..scene.keeping import PLACES, Band, place_of
 from ..scene.objects import user_of
 from ..scene.records import (
     bands_of,
@@ -27,11 +30,9 @@ from ..scene.records import (
     records_of,
     topology_changed,
 )
-from ..scene.shape_keys import key_shape, make_room
 from ..scene.surface import Surface, flattened, shape_of
 from ..scene.weights import group_named
-from .replacing import replaced
-from .shapes import read_surfaces
+from . import replacing, shapes
 
 
 @dataclass(frozen=True)
@@ -66,12 +67,12 @@ def base_shape(
     if settings.base == "FLAT":
         return flattened(surfaces[0])
     name = settings.base_key
-    shapes = [key_shape(obj.data, name, "to be the base") for obj in objects]
-    for shape in shapes:
+    given = [shape_keys.key_shape(obj.data, name, "to be the base") for obj in objects]
+    for shape in given:
         broken = np.flatnonzero(~np.isfinite(shape).all(axis=1))
         if len(broken):
             raise Refusal(f"the shape key {name!r} is not finite at vertex {broken[0]}", broken)
-    return shape_of(surfaces, shapes)
+    return shape_of(surfaces, given)
 
 
 def prepare(obj: bpy.types.Object, settings: Settings) -> tuple[Surface, dict[str, Any]]:
@@ -96,7 +97,7 @@ def prepare_together(
         reason = place_refusal(obj, settings)
         if reason is not None:
             raise Refusal(reason[0].lower() + reason[1:])
-    surfaces = read_surfaces(objects, settings)
+    surfaces = shapes.read_surfaces(objects, settings)
     base = base_shape(objects, settings, surfaces)
     return surfaces, settings.arguments(surfaces[0].mesh, base, area)
 
@@ -105,9 +106,9 @@ def place_refusal(obj: bpy.types.Object, settings: Settings) -> str | None:
     """Why bands of an object cannot be kept as asked, in a sentence; None if they can."""
     if settings.shape in ON_NEW_OBJECT:
         return None
-    record = replaced(obj, settings)
+    record = replacing.replaced(obj, settings)
     former = None if record is None else keeping_of(record).refusal(obj)
-    return former or PLACES[settings.bands_as].refusal(obj)
+    return former or keeping.PLACES[settings.bands_as].refusal(obj)
 
 
 def recall(surface: Surface, arguments: dict[str, Any]) -> spectral_tv.Decomposition | None:
@@ -193,7 +194,7 @@ def set_values(
     _note_unseen(obj, [key for key, value in pairs if value != key.value])
     cut = []
     for key, value in pairs:
-        make_room(key, value)
+        shape_keys.make_room(key, value)
         key.value = min(max(value, key.slider_min), key.slider_max)
         if abs(key.value - value) > VISIBLE:
             cut.append(key.name)
@@ -201,23 +202,23 @@ def set_values(
         note(f"cut off at the ends of the sliders: {', '.join(cut)}")
 
 
-def _note_unseen(obj: bpy.types.Object, bands: list[Band]) -> None:
+def _note_unseen(obj: bpy.types.Object, bands: list[keeping.Band]) -> None:
     """Note what keeps other values of bands from being seen, or from staying."""
     for reason, is_so in (
         ("muted", lambda band: band.mute),
         (
             "driven, and do what their drivers say",
-            lambda band: place_of(band).animation_of(band, "value") == "driven",
+            lambda band: keeping.place_of(band).animation_of(band, "value") == "driven",
         ),
         (
             "keyframed; Keyframe keeps the new values",
-            lambda band: place_of(band).animation_of(band, "value") == "keyed",
+            lambda band: keeping.place_of(band).animation_of(band, "value") == "keyed",
         ),
     ):
         names = [band.name for band in bands if is_so(band)]
         if names:
             note(f"some of these bands are {reason}: {', '.join(names)}")
-    if obj.show_only_shape_key and any(place_of(band).written == "KEY" for band in bands):
+    if obj.show_only_shape_key and any(keeping.place_of(band).written == "KEY" for band in bands):
         note("only the active shape key is shown: turn Shape Key Lock off to see the mix")
 
 

@@ -7,10 +7,9 @@ from spectral_tv.bands.gains import PRESETS
 
 from ..drawing.preferences import shows_research
 from ..drawing.sidebar import Sidebar, say
-from ..scene import lengths
+from ..scene import keeping, lengths
 from ..scene.attribute_band import modifiers_of
 from ..scene.decomposition import SpectralTVRecord
-from ..scene.keeping import place_of
 from ..scene.modifiers import ahead_of_bands
 from ..scene.records import bands_shown, record_of, records_of, topology_changed
 from . import (
@@ -95,7 +94,7 @@ class SPECTRAL_TV_PT_bands(Sidebar, bpy.types.Panel):
             if key is None:
                 row.label(text=f"Band {number} was deleted")
                 continue
-            place = place_of(key)
+            place = keeping.place_of(key)
             label = key.name.removeprefix(f"{record.name} ")
             place.draw(row, key, "value", text=label, slider=True)
             mask_menu.draw(row, obj, record, number)

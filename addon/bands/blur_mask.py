@@ -1,10 +1,9 @@
 """The operator that blurs the mask of a band: its weights flow on the surface as heat does."""
 
-from dataclasses import dataclass
-
 import bpy
-import numpy as np
 import spectral_tv
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.options.declaring import number
 from spectral_tv.refusal import Refusal
 
@@ -38,7 +37,7 @@ class Prepared:
     """The name of a band, the weights of its mask, and the surface that they are on."""
 
     band: str
-    weights: np.ndarray
+    weights: "np.ndarray"
     surface: Surface
 
 

@@ -1,6 +1,5 @@
 """Exaggerating all selected meshes alike: options, operator and panel."""
 
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -9,6 +8,7 @@ import spectral_tv
 from spectral_tv.bands.gains import caricature_values
 from spectral_tv.bands.methods import METHODS, OF_THE_PAPER
 from spectral_tv.bands.settings import INTO, INTO_TEXT, STEPS, Settings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Steps, in_turn
 from spectral_tv.notes import about, note
 from spectral_tv.options.declaring import choice, in_force, integer, number, options_of
@@ -19,10 +19,9 @@ from ..job.jobs import Seen, read_each, unchanged
 from ..job.operator import JobOperator
 from ..options.properties import choices_of
 from ..scene.surface import Surface
-from .adding import Part, add_bands
+from . import adding, replacing
 from .bands import prepare, recall, set_values, start_split
 from .properties import sidebar_kind
-from .replacing import check_replaced, replaced_identifiers
 
 LIMBS = options_of(Settings)["keep_limbs"]
 # How much of limbs is kept, relative to what the method does: limbs are part of a caricature.
@@ -99,7 +98,7 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
         settings = self.settings().of_bands()
 
         def read(obj: bpy.types.Object) -> Pose:
-            (former,) = replaced_identifiers([obj], settings)
+            (former,) = replacing.replaced_identifiers([obj], settings)
             return Pose(Seen.of(obj), *prepare(obj, settings), former)
 
         return read_each(bpy.context, read)
@@ -131,14 +130,14 @@ class SPECTRAL_TV_OT_caricature(JobOperator, CaricatureChoices, bpy.types.Operat
         there = [obj for obj in objects if obj is not None]
         rows = [*zip(objects, prepared, result, strict=True)]
         parts = [
-            Part(obj, pose.surface, pose.arguments, split)
+            adding.Part(obj, pose.surface, pose.arguments, split)
             for obj, pose, split in rows
             if obj is not None
         ]
         former = [pose.former for obj, pose, _ in rows if obj is not None]
-        check_replaced(there, settings, former)
+        replacing.check_replaced(there, settings, former)
         if parts:
-            add_bands(parts, settings)
+            adding.add_bands(parts, settings)
         for obj in there:
             with about(obj.name):
                 set_values(obj, values)

@@ -4,7 +4,7 @@ import bpy
 from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 
-from .carrying import carried_along
+from . import carrying
 from .set_bands import BandsOperator
 
 
@@ -24,4 +24,4 @@ class SPECTRAL_TV_OT_carry_along(BandsOperator, bpy.types.Operator):
         left = [each.name for each in others if each.type != "MESH"]
         if left:
             note(f"only meshes have shape keys, so these do not follow: {listed(left)}")
-        return carried_along(obj, meshes)
+        return carrying.carried_along(obj, meshes)

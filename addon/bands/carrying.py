@@ -1,10 +1,12 @@
 """What is bound to a body, and follows its bands by shape keys of its own."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
 import spectral_tv
+from spectral_tv.later import np
 from spectral_tv.notes import about, note
 from spectral_tv.refusal import Refusal
 

@@ -1,14 +1,17 @@
 """The mix of bands without what folds and stretches faces, as a shape key."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import bpy
-import numpy as np
 from spectral_tv.bands.clamping import Clamped, start_clamping
 from spectral_tv.bands.counts import Counts
 from spectral_tv.bands.guard import GuardSettings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Steps
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from ..scene import mix
@@ -35,7 +38,7 @@ class Mix:
     added: np.ndarray
 
     @classmethod
-    def of(cls, obj: bpy.types.Object, every: bool) -> "Mix":
+    def of(cls, obj: bpy.types.Object, every: bool) -> Mix:
         """Read the bands of every decomposition, or of the active one."""
         bands = all_bands_of(obj) if every else [key for key in bands_of(obj) if key is not None]
         shape = mix.shown(obj, without=bands)
@@ -61,7 +64,7 @@ class Clamping:
     @classmethod
     def read(
         cls, objects: Sequence[bpy.types.Object], settings: GuardSettings, every: bool = True
-    ) -> "Clamping":
+    ) -> Clamping:
         """Read objects with bands, of every decomposition or of the active ones.
 
         Raises Refusal or spectral_tv.MeshError if one cannot be read.

@@ -4,9 +4,9 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 from spectral_tv.bands.settings import BANDS_AS
 
-from ..scene.keeping import PLACES
+from ..scene import keeping
 from ..scene.records import chosen_record, record_of
-from .converting import conversion_refusal, convert
+from . import converting
 from .set_bands import BandsOperator, bands_refusal
 
 
@@ -32,7 +32,7 @@ class SPECTRAL_TV_OT_convert_bands(BandsOperator, bpy.types.Operator):
         if reason is not None:
             return reason
         record = record_of(obj)
-        return conversion_refusal(obj, record, other_kind(record.kept))
+        return converting.conversion_refusal(obj, record, other_kind(record.kept))
 
     @classmethod
     def description(cls, _context, properties) -> str:
@@ -45,13 +45,13 @@ class SPECTRAL_TV_OT_convert_bands(BandsOperator, bpy.types.Operator):
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> str:
         record = chosen_record(obj, self.name)
-        bands = convert(obj, record, self.to)
-        return f"{len(bands)} bands of {record.name!r} are {PLACES[self.to].label} now"
+        bands = converting.convert(obj, record, self.to)
+        return f"{len(bands)} bands of {record.name!r} are {keeping.PLACES[self.to].label} now"
 
 
 def other_kind(kind: str) -> str:
     """The kind that bands are not of."""
-    return next(each for each in PLACES if each != kind)
+    return next(each for each in keeping.PLACES if each != kind)
 
 
 def draw(row: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 

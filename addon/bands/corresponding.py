@@ -1,14 +1,16 @@
 """How bands and masks of one object become those of another."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.bands.taking import TakeSettings, told_fit
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
@@ -24,7 +26,7 @@ TAKEN = "TAKEN"
 
 def corresponding(
     obj: bpy.types.Object, source: bpy.types.Object, settings: TakeSettings
-) -> "SameVertices | NearestSurface":
+) -> SameVertices | NearestSurface:
     """The way from ``source`` to ``obj``: by the vertices if they are the same, or by the surface.
 
     Raises Refusal, or spectral_tv.MeshError if one of them cannot be read.
@@ -82,7 +84,7 @@ class NearestSurface:
     @classmethod
     def found(
         cls, obj: bpy.types.Object, source: bpy.types.Object, settings: TakeSettings
-    ) -> "NearestSurface":
+    ) -> NearestSurface:
         """Look for the surface of one at the vertices of the other, both without their bands."""
         before = [*all_bands_of(obj), *(key for _, key, _ in results.keys_written(obj, TAKEN))]
         own = Surface.read(obj, mix.shown(obj, before))

@@ -11,8 +11,7 @@ from ..job.operator import REFUSALS
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.objects import user_of
 from ..scene.records import record_of, renew_bands
-from . import remarks
-from .adding import cut_again
+from . import adding, remarks
 from .set_bands import cut_refusal
 
 OPTION = options_of(Settings)["bands"]
@@ -61,7 +60,7 @@ def take_count(obj: bpy.types.Object, count: int) -> None:
         return
     renew_bands(obj)
     with remarks.remarked(obj.data, "count", lambda: state(record_of(obj))):
-        cut_again(obj, count)
+        adding.cut_again(obj, count)
 
 
 def most_bands(record: SpectralTVRecord) -> int:

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
 import spectral_tv
 from bpy.props import BoolProperty
 from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.together import Together
 
 from ..job.jobs import Seen, all_unchanged
@@ -16,11 +16,9 @@ from ..job.operator import JobOperator
 from ..scene.objects import distinct_meshes
 from ..scene.records import record_of
 from ..scene.surface import Surface
-from . import shown_shape
-from .adding import Part, add_bands
+from . import adding, replacing, shown_shape
 from .bands import parts_of, prepare_together, recall, start_split
 from .properties import DecompositionChoices
-from .replacing import check_replaced, replaced_identifiers
 
 # What follows when bands were written. Each is called with the object and the settings.
 WRITTEN: list[Callable[[bpy.types.Object, Settings], None]] = []
@@ -56,7 +54,7 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
         else:
             objects = parts_of(obj) if self._replaces_any(obj) else [obj]
         seen = [Seen.of(each) for each in objects]
-        former = replaced_identifiers(objects, self.settings())
+        former = replacing.replaced_identifiers(objects, self.settings())
         return Prepared(seen, *prepare_together(objects, self.settings()), former)
 
     def _replaces_any(self, obj: bpy.types.Object) -> bool:
@@ -72,15 +70,15 @@ class SPECTRAL_TV_OT_decompose(JobOperator, DecompositionChoices, bpy.types.Oper
         self, _obj: bpy.types.Object, prepared: Prepared, result: spectral_tv.Decomposition
     ) -> str:
         objects = all_unchanged(prepared.seen)
-        check_replaced(objects, self.settings(), prepared.former)
+        replacing.check_replaced(objects, self.settings(), prepared.former)
         with ExitStack() as stack:
             if self.shape in ON_NEW_OBJECT:
                 first = objects[0], self.shape, prepared.surfaces[0]
                 objects = [stack.enter_context(shown_shape.in_the_place_of(*first))]
             pairs = zip(objects, prepared.surfaces, strict=True)
-            parts = [Part(*pair, prepared.arguments, result) for pair in pairs]
+            parts = [adding.Part(*pair, prepared.arguments, result) for pair in pairs]
             as_one = f", in {len(objects)} objects as one" if len(objects) > 1 else ""
-            done = add_bands(parts, self.settings()) + as_one
+            done = adding.add_bands(parts, self.settings()) + as_one
         for follow in WRITTEN:
             follow(objects[0], self.settings())
         return done

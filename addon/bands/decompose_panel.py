@@ -11,11 +11,9 @@ from ..scene.decomposition import SpectralTVRecord
 from ..scene.modifiers import between
 from ..scene.objects import is_mesh, refusal, selected_meshes
 from ..scene.records import bands_shown, record_of
-from . import at_once
+from . import at_once, replacing, shapes
 from .bands import place_refusal
 from .decompose import SPECTRAL_TV_OT_decompose
-from .replacing import replaced, why_not
-from .shapes import remarks, vertex_count
 from .take_bands import take_all
 
 
@@ -44,14 +42,14 @@ class SPECTRAL_TV_PT_decompose(WorkPanel, bpy.types.Panel):
         draw_fault(layout, context)
         if reason is None:
             settings = choices.settings()
-            former = replaced(obj, settings)
+            former = replacing.replaced(obj, settings)
             bands = () if former is None else bands_shown(obj, former)
-            for text in remarks(obj, settings, [key for key in bands if key is not None]):
+            for text in shapes.remarks(obj, settings, [key for key in bands if key is not None]):
                 say(layout, context, text[0].upper() + text[1:], "INFO")
             text = place_refusal(obj, settings)
             if text is not None:
                 say(layout, context, text, "ERROR")
-            draw_needs(layout, context, settings.needs(vertex_count(obj, settings)))
+            draw_needs(layout, context, settings.needs(shapes.vertex_count(obj, settings)))
             draw_into(layout, context, former)
         row = layout.row(align=True)
         draw_button(row, SPECTRAL_TV_OT_decompose, "MOD_MULTIRES", choices)
@@ -95,7 +93,7 @@ def draw_into(
     if former is not None:
         say(layout, context, f"Replaces {former.name}; look kept", "INFO")
     elif choices.into == "REPLACE":
-        reason = why_not(obj, choices.settings())
+        reason = replacing.why_not(obj, choices.settings())
         say(layout, context, f"Added, as {active.name} is {reason}", "INFO")
 
 

@@ -1,11 +1,13 @@
 """How far bands move the vertices of an object: from the shape that is shown without them."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cached_property
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from ..scene import mix
 from ..scene.coordinates import triangles
@@ -29,7 +31,7 @@ class Deviation:
     @classmethod
     def of(
         cls, obj: bpy.types.Object, bands: Collection[Band], moves: mix.Moves | None = None
-    ) -> "Deviation":
+    ) -> Deviation:
         """Read it as shape keys show it, before modifiers."""
         matrix = matrix_of(obj)
         parts = [part for part in mix.parts(obj) if part.key in bands]

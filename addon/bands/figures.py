@@ -3,13 +3,15 @@
 Means, root mean squares and percentiles are over the surface of the original, by its area.
 """
 
+from __future__ import annotations
+
 import json
 from collections.abc import Collection
 from typing import Any
 
 import bpy
-import numpy as np
 import spectral_tv
+from spectral_tv.later import np
 from spectral_tv.notes import listed, note
 
 from ..scene import lengths, mix

@@ -1,19 +1,21 @@
 """One filter for all frames of an object: fixed scales, each frame decomposed by itself."""
 
+from __future__ import annotations
+
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import spectral_tv
 from spectral_tv.bands.fixed_scales import THICKNESS, FixedScales
 from spectral_tv.bands.settings import Settings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Step, Steps
+from spectral_tv.later import np
 from spectral_tv.notes import gathered, note
 from spectral_tv.refusal import Refusal
 
 from ..scene.surface import Reading, flattened
-from .frame_shapes import FrameShape
+from . import frame_shapes
 
 SCALES = (
     ("FIRST", "First Frame", "Sizes of bands are relative to the size of the first frame"),
@@ -30,7 +32,9 @@ class Filtered:
     notes: list[str]
 
 
-def start(shapes: Sequence[FrameShape], settings: Settings, scales: str) -> Steps[Filtered]:
+def start(
+    shapes: Sequence[frame_shapes.FrameShape], settings: Settings, scales: str
+) -> Steps[Filtered]:
     """Start to filter frames by the values of their bands; raises Refusal if none has faces."""
     if not any(shape.has_faces for shape in shapes):
         raise Refusal("there are no faces on any of the frames")
@@ -41,7 +45,7 @@ def start(shapes: Sequence[FrameShape], settings: Settings, scales: str) -> Step
 
 
 def _filtered(
-    shapes: Sequence[FrameShape], settings: Settings, area: float | None
+    shapes: Sequence[frame_shapes.FrameShape], settings: Settings, area: float | None
 ) -> Generator[Step, Any, Filtered]:
     fixed: FixedScales | None = None
     reading = Reading(settings.weld, settings.leaves_out)
@@ -75,7 +79,7 @@ def _bands(split: spectral_tv.Decomposition, settings: Settings) -> np.ndarray:
     return split.bands(edges, settings.limbs_kept)
 
 
-def _move(shape: FrameShape, bands: np.ndarray) -> np.ndarray:
+def _move(shape: frame_shapes.FrameShape, bands: np.ndarray) -> np.ndarray:
     """What bands (K, V, 3) move together at their values."""
     moved = np.zeros(shape.vertices.shape)
     for band, value, mask in zip(bands, shape.values, shape.masks, strict=True):

@@ -1,12 +1,15 @@
 """What is seen of an object on many frames without its bands, and what its bands are there."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from typing import TypeAlias
 
 import bpy
-import numpy as np
 from mathutils import Matrix
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..scene import applied
@@ -21,7 +24,7 @@ from ..scene.temporary import Temporary
 from ..scene.weights import weights_of
 
 # Of each band, how much of it reaches every vertex, (V,); None where all of it does.
-Masks = tuple[np.ndarray | None, ...]
+Masks: TypeAlias = "tuple[np.ndarray | None, ...]"
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,16 @@ It is told against the shape that is shown without bands: with them at 0, and th
 as they are.
 """
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Collection, Iterable
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.bands.counts import Counts
 from spectral_tv.bands.guard import STRETCH
+from spectral_tv.later import np
 
 from ..scene import mix
 from ..scene.arrays import numbers

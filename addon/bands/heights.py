@@ -1,7 +1,7 @@
 """How far bands move the surface along its normals, as attributes: for masks and shading."""
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 
 from ..scene import results
 from ..scene.coordinates import basis_coordinates, triangles

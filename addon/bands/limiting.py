@@ -5,11 +5,13 @@ projects what moves it onto a ball, so neighbours move apart by no more than bef
 band had counts too, and comes back when the limit goes: the label of a written mask is its name.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Sequence
 
 import bpy
-import numpy as np
 from spectral_tv.bands.limits import Limited
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from ..scene import mix, results

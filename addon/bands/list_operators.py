@@ -1,5 +1,7 @@
 """Operators of the list of decompositions: one is made active, or removed."""
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.props import StringProperty
 from spectral_tv.notes import listed, note
@@ -9,7 +11,6 @@ from ..job.operator import ChangeOperator
 from ..scene import masks
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.fingerprints import Likeness
-from ..scene.keeping import Band
 from ..scene.objects import refusal
 from ..scene.records import (
     activate,
@@ -21,6 +22,9 @@ from ..scene.records import (
     remove_record,
 )
 from . import heights
+
+if TYPE_CHECKING:
+    from ..scene.keeping import Band
 
 
 class SPECTRAL_TV_OT_switch_decomposition(ChangeOperator, bpy.types.Operator):
@@ -92,7 +96,7 @@ def _refusal(obj: bpy.types.Object | None, override: bool) -> str | None:
 
 
 def _tell(
-    obj: bpy.types.Object, record: SpectralTVRecord, bands: list[Band], sculpted: list[str]
+    obj: bpy.types.Object, record: SpectralTVRecord, bands: "list[Band]", sculpted: list[str]
 ) -> None:
     """Note what else goes along with bands, and what is left without them."""
     keeping = keeping_of(record)

@@ -7,7 +7,7 @@ from ..drawing.sidebar import say
 from ..scene.decomposition import SpectralTVRecord
 from ..scene.objects import user_of
 from ..scene.records import records_of
-from .acting import State, others_acting
+from . import acting
 from .list_operators import (
     SPECTRAL_TV_OT_remove_decomposition,
     SPECTRAL_TV_OT_switch_decomposition,
@@ -32,7 +32,7 @@ class SPECTRAL_TV_UL_decompositions(bpy.types.UIList):
         obj = user_of(item.id_data)
         row = layout.row(align=True)
         is_there = item in records_of(obj)
-        icon = State.of(obj, item).icon if is_there else "ERROR"
+        icon = acting.State.of(obj, item).icon if is_there else "ERROR"
         row.prop(item, "name", text="", emboss=False, icon=icon)
         right = row.row()
         right.alignment = "RIGHT"
@@ -55,7 +55,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
             maxrows=MOST_ROWS, sort_lock=True,
         )  # fmt: skip
         row.operator(SPECTRAL_TV_OT_remove_decomposition.bl_idname, text="", icon="REMOVE")
-    for record, state in others_acting(obj):
+    for record, state in acting.others_acting(obj):
         column = layout.column(align=True)
         say(column, context, f"{record.name} {state.told()}", state.icon)
         button = column.operator(

@@ -1,17 +1,16 @@
 """The line under the sliders: how many faces the bands of all decompositions fold and stretch."""
 
-from dataclasses import dataclass
-
 import bpy
 import spectral_tv
 from spectral_tv.bands.counts import Counts
+from spectral_tv.dataclass import dataclass
 
 from ..drawing.sidebar import say
 from ..job.operator import Refusing
 from ..scene import listening, mix
 from ..scene.objects import user_of
 from ..scene.records import all_bands_shown
-from .guard import Reference, distortion
+from . import guard
 from .set_bands import bands_refusal
 
 # Triangles that are counted again at every move of a slider; of more, when it rests; and of still
@@ -36,7 +35,7 @@ class _Watched:
 
     def __init__(self, obj: bpy.types.Object) -> None:
         self.mesh = obj.data.session_uid
-        self.reference = Reference()
+        self.reference = guard.Reference()
         self.question: tuple | None = None
         self.line: Line | None = None
         self._awaited: tuple | None = None
@@ -196,7 +195,7 @@ def sliders_of(mesh: bpy.types.Mesh) -> tuple:
 
 def question_of(obj: bpy.types.Object) -> tuple:
     """All that the answer depends on, but for what Blender tells of by an update."""
-    matrix = distortion(obj)
+    matrix = guard.distortion(obj)
     return (
         obj.data.session_uid,
         None if matrix is None else matrix.tobytes(),

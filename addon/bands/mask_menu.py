@@ -4,9 +4,8 @@ from typing import Any
 
 import bpy
 
-from ..scene import masks
+from ..scene import keeping, masks
 from ..scene.decomposition import SpectralTVRecord
-from ..scene.keeping import Band
 from ..scene.records import bands_shown, record_of
 from ..scene.results import PARTS, SEGMENTS, groups_shown
 from .blur_mask import SPECTRAL_TV_OT_blur_mask
@@ -41,7 +40,7 @@ def draw(
     part.menu(SPECTRAL_TV_MT_mask.__name__, text="", icon="DOWNARROW_HLT")
 
 
-def _icon(obj: bpy.types.Object, band: Band) -> str:
+def _icon(obj: bpy.types.Object, band: "keeping.Band") -> str:
     if not band.vertex_group:
         return "BRUSH_DATA"
     return "ERROR" if masks.mask_group(obj, band) is None else "MOD_MASK"

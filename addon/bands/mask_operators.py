@@ -3,14 +3,13 @@
 from typing import Any
 
 import bpy
-import numpy as np
 from bpy.props import EnumProperty, IntProperty, StringProperty
+from spectral_tv.later import np
 from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 
-from ..scene import masks, multires
+from ..scene import keeping, masks, multires
 from ..scene.arrays import numbers
-from ..scene.keeping import Band
 from ..scene.modes import out_of_edit_mode
 from ..scene.objects import refusal
 from ..scene.records import band_of, bands_of, record_of, topology_changed
@@ -36,7 +35,7 @@ def mask_refusal(obj: bpy.types.Object | None) -> str | None:
     return refusal(obj, edit_mode=True)
 
 
-def masked_band(obj: bpy.types.Object, number: int) -> Band:
+def masked_band(obj: bpy.types.Object, number: int) -> "keeping.Band":
     """A band that a mask fits, as of records.band_of; raises Refusal if the mesh changed since."""
     if topology_changed(obj):
         raise Refusal("vertices or faces changed since; decompose the mesh again")
@@ -153,7 +152,7 @@ class SPECTRAL_TV_OT_fill_mask(MaskOperator, bpy.types.Operator):
             self.layout.prop_search(self, "group", context.active_object, "vertex_groups")
         self.layout.prop(self, "combine")
 
-    def _read(self, obj: bpy.types.Object) -> np.ndarray:
+    def _read(self, obj: bpy.types.Object) -> "np.ndarray":
         """What it is filled with, (V,)."""
         if self.source == "GROUP":
             return weights_of(obj, group_named(obj, self.group))
@@ -169,7 +168,9 @@ class SPECTRAL_TV_OT_fill_mask(MaskOperator, bpy.types.Operator):
             raise Refusal("nothing is masked in Sculpt Mode")
         return 1 - found
 
-    def _combined(self, obj: bpy.types.Object, band: Band, found: np.ndarray) -> np.ndarray:
+    def _combined(
+        self, obj: bpy.types.Object, band: "keeping.Band", found: "np.ndarray"
+    ) -> "np.ndarray":
         if self.combine == "REPLACE":
             return found
         if masks.mask_group(obj, band) is None:  # so far it acts everywhere

@@ -4,10 +4,12 @@ The filter over scales is another one at each vertex there: the value times the 
 of the new band times its mask is the mean of these, as its value is the mean of the values.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 
 from ..scene.keeping import Band
 from ..scene.mix import mask

@@ -1,10 +1,12 @@
 """Which components of a flow lie in which bands, of the same flow or of another one."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 # Edges are kept in single precision.
 ROUNDING = 1e-6
@@ -26,7 +28,7 @@ class Overlap:
         old: Sequence[tuple[float, float]],
         new: Sequence[tuple[float, float]],
         times: np.ndarray,
-    ) -> "Overlap":
+    ) -> Overlap:
         """That of bands between two times each; ``times`` (N,) are those of the components."""
         before, after = (_members(bands, times).astype(int) for bands in (old, new))
         return cls(after @ before.T, after.sum(axis=1))

@@ -1,13 +1,12 @@
 """The operator of the brush beside a band: into Weight Paint with its mask, and out again."""
 
 import bpy
-import numpy as np
 from bpy.props import FloatProperty, StringProperty
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
-from ..scene import masks
+from ..scene import keeping, masks
 from ..scene.group_users import told
-from ..scene.keeping import Band
 from ..scene.modes import set_mode
 from .mask_operators import MaskOperator, mask_refusal, masked_band
 
@@ -68,7 +67,7 @@ class SPECTRAL_TV_OT_paint_mask(MaskOperator, bpy.types.Operator):
             painting.mode, painting.group = former, former_group
         return done
 
-    def _ready(self, obj: bpy.types.Object, band: Band) -> str:
+    def _ready(self, obj: bpy.types.Object, band: "keeping.Band") -> str:
         """Have its mask be the active vertex group, one that is made if there is none."""
         group, done = masks.mask_group(obj, band), "is the mask that is painted"
         if group is None:
@@ -86,7 +85,7 @@ class SPECTRAL_TV_OT_paint_mask(MaskOperator, bpy.types.Operator):
         return f"{group.name!r} {done}"
 
 
-def is_painted(obj: bpy.types.Object, band: Band) -> bool:
+def is_painted(obj: bpy.types.Object, band: "keeping.Band") -> bool:
     """Whether the mask of a band is what is painted now."""
     group = masks.mask_group(obj, band)
     return obj.mode == PAINTING and group is not None and obj.vertex_groups.active == group

@@ -4,6 +4,8 @@ An Alembic file holds any motion. A PC2 file ("point cache", of 3ds Max) holds t
 stay, and is read by Blenders without Alembic too.
 """
 
+from __future__ import annotations
+
 import struct
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -11,10 +13,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import bpy
-import numpy as np
 from spectral_tv.files.names import file_keys
 from spectral_tv.files.room import with_room
 from spectral_tv.files.whole import written
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..command_line.alembic import alembic_size
@@ -25,8 +27,6 @@ from ..scene.temporary import Temporary
 
 ALEMBIC, PC2 = ".abc", ".pc2"
 NAME = "Filtered Frames"
-# What Blender has to be told of a path since 4.5: that it may begin with "//".
-RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5) else set()
 # The head of a PC2 file: its mark, version, vertices, first frame, frames per sample, samples.
 HEAD = "<12siiffi"
 

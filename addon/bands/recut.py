@@ -6,10 +6,10 @@ equal numbers of components.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from ..scene import masks

@@ -1,10 +1,12 @@
 """The operator that fits the bones of an armature to the look of a body."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
@@ -13,7 +15,7 @@ from ..scene.places import linear_of
 from ..scene.records import all_bands_of
 from ..scene.surface import Surface
 from ..scene.temporary import Temporary
-from .bone_children import staying
+from . import bone_children
 from .set_bands import BandsOperator
 
 # What a bone keeps: by what its head and its tail were moved so far, in the armature's space.
@@ -72,7 +74,7 @@ def _refit(
     matrix = linear_of(rig.matrix_world, rig.name)
     shift = np.array(rig.matrix_world.translation - obj.matrix_world.translation)
     back = np.linalg.inv(matrix)
-    with staying(rig), _edited(context, rig) as bones:
+    with bone_children.staying(rig), _edited(context, rig) as bones:
         farthest = 0.0
         places = {}
         for bone in bones:

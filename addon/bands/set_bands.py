@@ -1,18 +1,18 @@
 """Operators that set the bands: presets, the curve, solo, keyframes, baking, other objects."""
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 from spectral_tv.bands.filtering import FilterSettings
 from spectral_tv.bands.gains import PRESETS, curve_values, idle_reason, preset_values
 from spectral_tv.bands.settings import Settings
+from spectral_tv.later import np
 from spectral_tv.notes import about, note
 from spectral_tv.options.declaring import OWN, options_of
 from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
 from ..options.properties import property_of
-from ..scene import mix
+from ..scene import mix, shape_keys
 from ..scene.attribute_band import attribute_bands
 from ..scene.coordinates import basis_coordinates
 from ..scene.decomposition import SpectralTVRecord
@@ -26,11 +26,8 @@ from ..scene.records import (
     renew_bands,
     topology_changed,
 )
-from ..scene.shape_keys import add_displacements
-from . import filter_curve, original
-from .adding import cut_again
+from . import adding, filter_curve, original, solo
 from .bands import flows, set_values
-from .solo import toggle_solo
 
 LIMBS = options_of(Settings)["keep_limbs"]
 # Bands whose ends differ by less, relative to them, are of the same sizes.
@@ -166,7 +163,7 @@ class SPECTRAL_TV_OT_solo(BandsOperator, bpy.types.Operator):
     band: IntProperty(name="Band", description="1 is the finest", default=1, min=1)
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        toggle_solo(obj, self.band)
+        solo.toggle_solo(obj, self.band)
 
 
 class SPECTRAL_TV_OT_keyframe(BandsOperator, bpy.types.Operator):
@@ -201,7 +198,7 @@ class SPECTRAL_TV_OT_bake(BandsOperator, bpy.types.Operator):
         active = obj.active_shape_key_index
         if attribute_bands(obj):  # which are no part of what Blender calls the mix
             moved = mix.shown(obj) - basis_coordinates(obj.data)
-            (key,) = add_displacements(obj, ["Filtered"], [moved])
+            (key,) = shape_keys.add_displacements(obj, ["Filtered"], [moved])
         else:
             key = obj.shape_key_add(name="Filtered", from_mix=True)
         key.value = 0
@@ -277,4 +274,4 @@ class SPECTRAL_TV_OT_cut(BandsOperator, bpy.types.Operator):
         return cut_refusal(context.active_object)
 
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        cut_again(obj, self.bands, None if self.keep_limbs < 0 else self.keep_limbs)
+        adding.cut_again(obj, self.bands, None if self.keep_limbs < 0 else self.keep_limbs)

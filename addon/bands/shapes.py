@@ -1,10 +1,12 @@
 """Which shape of an object is decomposed, and what the user is told about it."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
 from spectral_tv.bands.settings import ON_NEW_OBJECT, SHAPES, Settings
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..scene.keeping import Band
+from ..scene import keeping, shape_keys
 from ..scene.records import bands_of
-from ..scene.shape_keys import SLIDER_RANGE, USUAL_RANGE
 from .set_bands import BandsOperator
 
 
@@ -21,17 +20,19 @@ class SPECTRAL_TV_OT_widen_sliders(BandsOperator, bpy.types.Operator):
         bands = [band for band in bands_of(obj) if band is not None]
         wide = not is_wide(bands)
         for band in bands:
-            least, most = SLIDER_RANGE if wide else USUAL_RANGE
+            least, most = shape_keys.SLIDER_RANGE if wide else shape_keys.USUAL_RANGE
             band.slider_min = min(least, math.floor(band.value))
             band.slider_max = max(most, math.ceil(band.value))
 
 
-def is_wide(bands: Sequence[Band]) -> bool:
+def is_wide(bands: "Sequence[keeping.Band]") -> bool:
     """Whether all sliders go as far as Blender allows."""
-    return all((band.slider_min, band.slider_max) == SLIDER_RANGE for band in bands)
+    return all((band.slider_min, band.slider_max) == shape_keys.SLIDER_RANGE for band in bands)
 
 
-def draw_scale(layout: bpy.types.UILayout, bands: Sequence[Band | None], icons: int) -> None:
+def draw_scale(
+    layout: bpy.types.UILayout, bands: "Sequence[keeping.Band | None]", icons: int
+) -> None:
     """Draw the ends and zero above sliders that have the same range, and a button that widens it.
 
     The sliders have a sign before them and so many ``icons`` after them.

@@ -1,11 +1,13 @@
 """The picture of a spectrum: strength over scale, in the colors and under the numbers of bands."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from functools import cache
 
 import bpy
 import bpy.utils.previews
-import numpy as np
+from spectral_tv.later import np
 
 from ..drawing.ink import color, mask
 from ..scene.decomposition import SpectralTVRecord

@@ -12,10 +12,9 @@ from ..scene.objects import refusal
 from ..scene.records import bands_of, keeping_of, record_of
 from ..scene.results import Piece
 from ..scene.whole import whole
+from . import corresponding, taken_record
 from .bands import set_values
-from .corresponding import TAKEN, NearestSurface, SameVertices, corresponding
 from .set_bands import BandsOperator, bands_refusal
-from .taken_record import add_taken
 
 # More bands than a decomposition has.
 MOST = 1000
@@ -63,9 +62,9 @@ class SPECTRAL_TV_OT_take_bands(
             raise Refusal(f"{source.name} has no bands to take: {reason}")
         is_added = self.into == "ADD" or record_of(obj) is None
         chosen = self._chosen(obj, source, is_added)
-        way = corresponding(obj, source, self.settings())
+        way = corresponding.corresponding(obj, source, self.settings())
         if is_added:
-            name = add_taken(obj, source, chosen, way)
+            name = taken_record.add_taken(obj, source, chosen, way)
             done = f"{len(chosen)} bands of {source.name} as its decomposition {name!r}"
         else:
             _replace(obj, source, chosen, way)
@@ -109,7 +108,7 @@ def _replace(
     obj: bpy.types.Object,
     source: bpy.types.Object,
     chosen: range,
-    way: SameVertices | NearestSurface,
+    way: "corresponding.SameVertices | corresponding.NearestSurface",
 ) -> None:
     """Have the chosen bands of the source act in the place of those of the object."""
     own, others = bands_of(obj), bands_of(source)
@@ -119,11 +118,11 @@ def _replace(
         for band in chosen:
             piece = Piece("KEY", way.vectors(displacement(others[band])))
             taken = {f"{source.name} {others[band].name}": piece}
-            results.mute_kept(obj, TAKEN, str(band + 1))
+            results.mute_kept(obj, corresponding.TAKEN, str(band + 1))
             # One that was taken in its place before goes.
             names += results.write(
                 obj,
-                TAKEN,
+                corresponding.TAKEN,
                 str(band + 1),
                 taken,
                 lambda _: True,
@@ -136,7 +135,7 @@ def _replace(
         if masks.mask_group(obj, key) is None and masks.mask(obj, own[band]).min() < 1:
             note(f"{name!r} acts everywhere: the mask of {own[band].name!r} is no vertex group")
     left = [others[band].name for band in chosen if masks.mask(source, others[band]).min() < 1]
-    if left and isinstance(way, NearestSurface):
+    if left and isinstance(way, corresponding.NearestSurface):
         note(f"masks of {source.name} are not taken where bands replace others: {listed(left)}")
     values = [key.value if key is not None else 0.0 for key in own]
     for band in chosen:

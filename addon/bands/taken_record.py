@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

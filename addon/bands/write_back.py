@@ -1,7 +1,7 @@
 """The operator that puts the shape of a work object back into the levels of its source."""
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

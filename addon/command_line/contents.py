@@ -1,10 +1,10 @@
 """A survey of what a scene holds beside shapes, to compare with what a format can hold."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.dataclass import dataclass
 
 from ..scene.animation import curves_of
 from ..scene.arrays import numbers

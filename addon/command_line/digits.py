@@ -4,9 +4,8 @@ PLY files and text files are read relative to a round point near their middle. W
 relative to 0 again.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+from spectral_tv.dataclass import dataclass
 
 from ..scene.surface import NOWHERE
 

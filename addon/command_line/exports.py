@@ -3,11 +3,11 @@
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import bpy
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files import stl
 from spectral_tv.files.checks import check
 from spectral_tv.files.room import with_room

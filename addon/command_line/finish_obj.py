@@ -2,11 +2,11 @@
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.torn import require
 
 from ..scene.coordinates import points

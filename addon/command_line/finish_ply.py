@@ -1,11 +1,12 @@
 """Rewriting PLY files that Blender wrote: vertices in their order, with doubles, relative to 0."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
 import numpy as np
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files import ply_table
 from spectral_tv.files.ply import AXES
 from spectral_tv.files.ply_table import Table

@@ -1,10 +1,11 @@
 """The table of what each format holds; exports, messages and docs/formats.md follow it."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import bpy
+from spectral_tv.dataclass import dataclass
 
 # All of it; none of it; that which is active; it is seen in the shape, and no longer apart.
 YES, NO, ONE, APPLIED = "yes", "–", "one", "applied"

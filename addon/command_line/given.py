@@ -3,12 +3,12 @@
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files import fbx, ply, ply_table, stl
 from spectral_tv.files import obj as objs
 from spectral_tv.files.faces import Faces

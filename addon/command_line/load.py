@@ -3,13 +3,14 @@
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 from spectral_tv.command_line.places import ensure_file
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files import ply
 from spectral_tv.files.checks import Torn, check
 from spectral_tv.notes import listed, note

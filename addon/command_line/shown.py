@@ -7,10 +7,10 @@ keys have all of that in their shapes. Afterwards objects hold their own meshes 
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from spectral_tv.dataclass import dataclass
 from spectral_tv.notes import listed, note
 
 from ..scene.animation import curves_of

@@ -1,9 +1,11 @@
 """What is added to a deformation before it is seen: other shape keys, modifiers."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from ..scene import mix

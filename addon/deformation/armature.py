@@ -4,10 +4,12 @@ It remembers what was written. One that is as it was written may be replaced. On
 posed, edited, animated or gave to other objects is the user's.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from ..scene.attribute_band import has_bands

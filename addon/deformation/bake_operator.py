@@ -10,8 +10,7 @@ from spectral_tv.refusal import Refusal
 
 from ..job.operator import JobOperator
 from ..job.progress import cursor_progress
-from . import baking
-from .deform import follow_refusal
+from . import baking, deform
 
 
 class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
@@ -32,7 +31,7 @@ class SPECTRAL_TV_OT_bake_deformation(JobOperator, bpy.types.Operator):
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        return follow_refusal(context.active_object)
+        return deform.follow_refusal(context.active_object)
 
     def prepare(self, obj: bpy.types.Object) -> Any:
         if self.frame_end < self.frame_start:

@@ -1,10 +1,12 @@
 """The deformation of an object on many frames: from moving handles to a shape-key animation."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 
 import bpy
-import numpy as np
 from spectral_tv.deformation.solvers import Follower, Solved, follow_complaint, follower_of
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

@@ -1,12 +1,14 @@
 """A rig found in a pose as bones, in the space of an armature that is not scaled."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
 import spectral_tv
 from mathutils import Matrix, Quaternion, Vector
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from ..scene.surface import Surface
 
@@ -30,7 +32,7 @@ class Bone:
     motion: Matrix
     weights: np.ndarray
 
-    def relative(self, bones: "Sequence[Bone]") -> Matrix:
+    def relative(self, bones: Sequence[Bone]) -> Matrix:
         """What it does beside what its parent does."""
         if self.parent is None:
             return self.motion

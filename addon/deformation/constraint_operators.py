@@ -8,9 +8,7 @@ from spectral_tv.refusal import Refusal
 
 from ..job.operator import ChangeOperator
 from ..scene.objects import refusal
-from . import constraints
-from .empties import constrain
-from .handles import group_weights
+from . import constraints, empties, handles
 
 
 class ConstraintOperator(ChangeOperator):
@@ -44,8 +42,8 @@ class SPECTRAL_TV_OT_constraint_add(ConstraintOperator, bpy.types.Operator):
     def change(self, _context: bpy.types.Context, obj: bpy.types.Object) -> None:
         label = next(item[1] for item in constraints.KINDS if item[0] == self.kind)
         group = _selected_group(obj, label)
-        constrain(obj, group, self.kind)
-        _, weights = group_weights(obj, [group])[group]
+        empties.constrain(obj, group, self.kind)
+        _, weights = handles.group_weights(obj, [group])[group]
         if len(weights) and weights.max() < 1:
             note(
                 f"no vertex of {group!r} has the weight 1, so that it follows like by springs: the "

@@ -3,7 +3,6 @@
 from contextlib import suppress
 
 import bpy
-import numpy as np
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -14,6 +13,7 @@ from bpy.props import (
     StringProperty,
 )
 from spectral_tv.deformation.settings import Settings
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..options.properties import choices_of
@@ -122,7 +122,7 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
             raise Refusal(f"{self._mover} is flat: its scale is zero along an axis")
         self.rest = (np.linalg.inv(handle) @ seen).ravel()
 
-    def motion(self, graph: bpy.types.Depsgraph | None) -> np.ndarray:
+    def motion(self, graph: bpy.types.Depsgraph | None) -> "np.ndarray":
         """What the handle does to points of the mesh object since rest, (4, 4) in object space.
 
         ``graph`` is as in scene.places.matrix_of. Raises Refusal if there is no handle, or its
@@ -144,7 +144,7 @@ class SpectralTVConstraint(bpy.types.PropertyGroup):
     def _mover(self) -> str:
         return f"the object {self.target.name!r} that moves {self.vertex_group!r}"
 
-    def _handle(self, graph: bpy.types.Depsgraph | None) -> np.ndarray:
+    def _handle(self, graph: bpy.types.Depsgraph | None) -> "np.ndarray":
         """World matrix of what is followed."""
         obj, bone = self.followed
         matrix = matrix_of(obj, bone, graph)

@@ -1,13 +1,15 @@
 """The deformation of an object: from its constraints to displacements."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
 from spectral_tv.deformation.settings import Settings
 from spectral_tv.deformation.solvers import Solver, follow_complaint, solver_of
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
@@ -31,7 +33,7 @@ class Deformable:
     grips: Grips
 
     @classmethod
-    def read(cls, obj: bpy.types.Object, replaced: Collection[str] = ()) -> "Deformable":
+    def read(cls, obj: bpy.types.Object, replaced: Collection[str] = ()) -> Deformable:
         """Read ``obj``, while what it follows is kept up; ``replaced`` is as in `note_additions`.
 
         Raises Refusal or spectral_tv.MeshError if it cannot be deformed.

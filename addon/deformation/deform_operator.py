@@ -1,17 +1,21 @@
 """The operator that deforms the active mesh by its constraints."""
 
+from typing import TYPE_CHECKING, TypeAlias
+
 import bpy
-import numpy as np
 from spectral_tv.deformation.settings import algorithm_for
-from spectral_tv.deformation.solvers import Solved, Solver
 from spectral_tv.jobs.steps import Steps
+from spectral_tv.later import np
 
 from ..job.operator import JobOperator
+from . import deform
 from .constraints import DeformationChoices, deformation_of
-from .deform import Deformable, deform_refusal, prepare, write
+
+if TYPE_CHECKING:
+    from spectral_tv.deformation.solvers import Solved, Solver
 
 # What was read of the object, the targets of its grips, and what solves for them.
-Prepared = tuple[Deformable, np.ndarray, Solver]
+Prepared: TypeAlias = "tuple[deform.Deformable, np.ndarray, Solver]"
 
 
 class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator):
@@ -24,7 +28,7 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator)
 
     @classmethod
     def refusal(cls, context: bpy.types.Context) -> str | None:
-        return deform_refusal(context.active_object)
+        return deform.deform_refusal(context.active_object)
 
     def prepare(self, obj: bpy.types.Object) -> Prepared:
         names = DeformationChoices.__annotations__
@@ -34,13 +38,13 @@ class SPECTRAL_TV_OT_deform(JobOperator, DeformationChoices, bpy.types.Operator)
                 setattr(self, name, getattr(deformation_of(obj), name))
         if "algorithm" not in given:  # an option of one algorithm asks for it
             self.algorithm = algorithm_for(given) or self.algorithm
-        return prepare(obj, self.settings())
+        return deform.prepare(obj, self.settings())
 
-    def start(self, prepared: Prepared) -> Steps[Solved]:
+    def start(self, prepared: Prepared) -> "Steps[Solved]":
         _, targets, solver = prepared
         return solver.start(targets)
 
-    def write(self, obj: bpy.types.Object, prepared: Prepared, solved: Solved) -> str:
+    def write(self, obj: bpy.types.Object, prepared: Prepared, solved: "Solved") -> str:
         deformable, _, solver = prepared
-        write(obj, deformable.displacement(solved.result))
+        deform.write(obj, deformable.displacement(solved.result))
         return solver.message(solved)

@@ -1,8 +1,8 @@
 """Constraints of vertex groups, and empties to move them by."""
 
 import bpy
-import numpy as np
 from mathutils import Matrix, Vector
+from spectral_tv.later import np
 
 from ..scene.coordinates import basis_coordinates
 from . import constraints

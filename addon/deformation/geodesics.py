@@ -1,8 +1,9 @@
 """Distances along a surface from one place on it, worked out as far as they are asked for."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 
 @dataclass(frozen=True)
@@ -17,7 +18,7 @@ class Links:
     lengths: np.ndarray
 
     @classmethod
-    def of(cls, vertices: np.ndarray, triangles: np.ndarray) -> "Links":
+    def of(cls, vertices: np.ndarray, triangles: np.ndarray) -> Links:
         """The ways of a mesh: ``vertices`` (N, 3), ``triangles`` (F, 3)."""
         count = len(vertices)
         corners = np.concatenate([triangles[:, [0, 1, 2]], triangles[:, [1, 2, 0]],

@@ -4,12 +4,14 @@ Several vertices of an object may be one vertex of its surface. A mirrored objec
 which is held and moved likewise.
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
+
 from functools import cached_property
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
 from spectral_tv.deformation.held import Held
+from spectral_tv.later import np
 from spectral_tv.means import means
 from spectral_tv.refusal import Refusal
 
@@ -39,7 +41,7 @@ class Grips:
     entries: np.ndarray
 
     @classmethod
-    def read(cls, obj: bpy.types.Object) -> "Grips":
+    def read(cls, obj: bpy.types.Object) -> Grips:
         """Read the constraints and the surface of ``obj``.
 
         Raises Refusal or spectral_tv.MeshError if one of them cannot be used.

@@ -1,12 +1,14 @@
 """The constraints of an object as the arrays of a deformation."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cached_property
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
 from spectral_tv.deformation.held import constraining, note_soft_pin
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..scene.coordinates import basis_coordinates
@@ -29,7 +31,7 @@ class Handles:
     positions: np.ndarray
 
     @classmethod
-    def read(cls, obj: bpy.types.Object) -> "Handles":
+    def read(cls, obj: bpy.types.Object) -> Handles:
         """Read the vertex groups of the constraints of ``obj``.
 
         Raises Refusal if there are none, or a group is missing or empty.

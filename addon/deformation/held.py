@@ -1,11 +1,13 @@
 """What is held and what is pulled of an object, as triangles to draw over what is shown of it."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from ..scene import mix
 from ..scene.coordinates import coordinates, triangles
@@ -101,7 +103,7 @@ class _Patch:
     strengths: np.ndarray
 
     @classmethod
-    def of(cls, every: np.ndarray, firm: np.ndarray) -> "_Patch":
+    def of(cls, every: np.ndarray, firm: np.ndarray) -> _Patch:
         """The part of ``every`` triangle (F, 3) with a corner that is held or pulled, (V, 2)."""
         corners = every[firm.any(axis=1)[every].any(axis=1)]
         is_used = np.zeros(len(firm), dtype=bool)

@@ -1,14 +1,16 @@
 """A deformation that follows its handles while they are dragged."""
 
+from __future__ import annotations
+
 import time
 from typing import Any
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.deformation.contact import Contact
 from spectral_tv.deformation.solvers import follower_of
 from spectral_tv.jobs.steps import Steps
+from spectral_tv.later import np
 from spectral_tv.options.declaring import in_force
 from spectral_tv.refusal import Refusal
 

@@ -6,8 +6,7 @@ from spectral_tv.notes import gathered
 from ..job import faults, jobs, timers
 from ..job.operator import REFUSALS, Refusing
 from ..job.progress import redraw_sidebars
-from .deform import follow_refusal
-from .live import LiveDeformation
+from . import deform, live
 
 # Seconds between two looks at the handles.
 POLL = 1 / 120
@@ -31,7 +30,7 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
     def refusal(cls, context: bpy.types.Context) -> str | None:
         if cls.running is not None:
             return None
-        reason = follow_refusal(context.active_object)
+        reason = deform.follow_refusal(context.active_object)
         if reason is None and jobs.running() is not None:
             reason = f"{jobs.running().message}; Esc cancels it"
         if reason is None and bpy.app.background:
@@ -47,7 +46,7 @@ class SPECTRAL_TV_OT_deform_live(Refusing, bpy.types.Operator):
         self._told: set[str] = set()
         try:
             with faults.kept(context.active_object), gathered() as notes:
-                self._live = LiveDeformation(context.active_object)
+                self._live = live.LiveDeformation(context.active_object)
         except REFUSALS as error:
             return self.refuse(error, context.active_object)
         self._tell(notes)

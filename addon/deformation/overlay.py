@@ -5,22 +5,24 @@ Nothing of Blender's is kept between two drawings but batches of the graphics ca
 is recognised by identifiers.
 """
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
+from spectral_tv.later import np
 
 from ..drawing.views import is_seen, lifted, redraw_views
 from ..scene import listening
+from . import held
 from .constraints import deformation_of
-from .held import Held, Layer, Picked
 
 # How opaque the least and the greatest weight are.
 FAINTEST, STRONGEST = 0.12, 0.6
 # A scene, a view layer and an object, by their identifiers.
 Key = tuple[int, str, int]
 
-_known: dict[Key, "_Drawn"] = {}
+_known: dict[Key, _Drawn] = {}
 # What is being picked, by the object's identifier.
-_picked: dict[int, Picked] = {}
+_picked: dict[int, held.Picked] = {}
 # The active object and the meshes that it moves, of each view layer.
 _moved: dict[tuple[int, str], tuple[int, list[str]]] = {}
 _handle: object | None = None
@@ -30,8 +32,8 @@ class _Drawn:
     """What was last drawn of an object."""
 
     def __init__(self) -> None:
-        self.held = Held()
-        self.layer: Layer | None = None
+        self.held = held.Held()
+        self.layer: held.Layer | None = None
         self.chosen: tuple | None = None
         self.colors: np.ndarray | None = None
         self.batch: object = None
@@ -63,7 +65,7 @@ def forget() -> None:
         bpy.app.timers.unregister(redraw_views)
 
 
-def pick(obj: bpy.types.Object, picked: Picked | None) -> None:
+def pick(obj: bpy.types.Object, picked: held.Picked | None) -> None:
     """Draw what is being picked of ``obj`` too, whatever is hidden; None ends it."""
     _picked.clear()
     if picked is not None:
@@ -88,7 +90,7 @@ def drawn(
     return [each for each in found if each is not None and _is_moved_by(each, active)]
 
 
-def colors(layer: Layer, held: tuple, pulled: tuple) -> np.ndarray:
+def colors(layer: held.Layer, held: tuple, pulled: tuple) -> np.ndarray:
     """RGBA (P, 4) of the places of a layer, with the RGB of what is held and what is pulled."""
     firm, corners = layer.strengths.astype(np.float64), layer.corners
     hue = firm.copy()
@@ -185,4 +187,4 @@ def _notice(_scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
 def _distrust(*_arguments: object) -> None:
     _moved.clear()
     for known in _known.values():
-        known.held = Held()
+        known.held = held.Held()

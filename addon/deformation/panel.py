@@ -8,14 +8,13 @@ from ..drawing.work import MeshPanel, draw_button, draw_fault
 from ..options import rows
 from ..scene.objects import is_mesh
 from ..scene.places import is_in_a_scene
-from . import constraints, turning
+from . import constraints, deform, turning
 from .bake_operator import SPECTRAL_TV_OT_bake_deformation
 from .constraint_operators import (
     SPECTRAL_TV_OT_constraint_add,
     SPECTRAL_TV_OT_constraint_remove,
     SPECTRAL_TV_OT_constraint_rest,
 )
-from .deform import deform_refusal, shared_refusal
 from .deform_operator import SPECTRAL_TV_OT_deform
 from .live_operator import SPECTRAL_TV_OT_deform_live
 from .pick_operator import SPECTRAL_TV_OT_hold_and_pull
@@ -88,10 +87,10 @@ class SPECTRAL_TV_PT_deform(MeshPanel, bpy.types.Panel):
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         obj = context.active_object
         is_live = SPECTRAL_TV_OT_deform_live.running is not None
-        reason = _advice(obj) or deform_refusal(obj)
+        reason = _advice(obj) or deform.deform_refusal(obj)
         if reason is not None and not is_live:
             say(layout, context, reason, "INFO")
-            if reason == shared_refusal(obj):
+            if reason == deform.shared_refusal(obj):
                 single = layout.operator("object.make_single_user", icon="DUPLICATE")
                 single.object = single.obdata = True
         self._draw_state(layout, context)

@@ -12,12 +12,10 @@ from ..drawing.pointing import PASSED_ON, View, on_ray, pixel, ray, tell_next, v
 from ..job.operator import REFUSALS, ChangeOperator
 from ..scene.objects import refusal
 from ..scene.weights import add_group
-from . import constraints, overlay
+from . import constraints, empties, overlay, picking
+from . import strokes as stroking
 from .deform_operator import SPECTRAL_TV_OT_deform
-from .empties import constrain
 from .live_operator import SPECTRAL_TV_OT_deform_live
-from .picking import Patches
-from .strokes import Strokes
 
 
 class SpectralTVPatch(bpy.types.PropertyGroup):
@@ -68,8 +66,8 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
     def change(self, context: bpy.types.Context, obj: bpy.types.Object) -> str:
         if not self.held and not self.pulled:
             raise Refusal("nothing is given to hold or to pull")
-        patches = Patches(obj)
-        strokes = Strokes(patches)
+        patches = picking.Patches(obj)
+        strokes = stroking.Strokes(patches)
         for is_pulled, given in ((False, self.held), (True, self.pulled)):
             for each in given:
                 spread = patches.nearest(obj, Vector(each.point))
@@ -91,7 +89,7 @@ class SPECTRAL_TV_OT_hold_and_pull(ChangeOperator, bpy.types.Operator):
         obj = context.active_object
         try:
             with gathered() as self._notes:
-                self._strokes = Strokes(Patches(obj))
+                self._strokes = stroking.Strokes(picking.Patches(obj))
         except REFUSALS as error:
             return self.refuse(error, obj)
         self._subject = obj.name, _counts(obj)
@@ -239,14 +237,16 @@ def _counts(obj: bpy.types.Object) -> tuple[int, int, int]:
     return obj.data.session_uid, len(obj.data.vertices), len(obj.data.loops)
 
 
-def _constrain(context: bpy.types.Context, obj: bpy.types.Object, strokes: Strokes) -> str:
+def _constrain(
+    context: bpy.types.Context, obj: bpy.types.Object, strokes: "stroking.Strokes"
+) -> str:
     """Make a pin of all that is held, and a handle of each that is pulled; select the last."""
     labels = {kind: label for kind, label, *_ in constraints.KINDS}
     made, done = None, []
     for kind, name, vertices in strokes.groups():
         group = add_group(obj, name or labels[kind])
         group.add(vertices.tolist(), 1.0, "REPLACE")
-        made = constrain(obj, group.name, kind)
+        made = empties.constrain(obj, group.name, kind)
         done.append(f"{len(vertices)} vertices {'stay' if kind == 'PIN' else 'move'}")
     if strokes.left_out:
         note(f"{strokes.left_out} picked vertices are left out, as they are held or pulled already")

@@ -1,11 +1,13 @@
 """Patches of an object around places that are pointed at where the object is shown."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 
 import bpy
-import numpy as np
 from mathutils import Vector
 from mathutils.interpolate import poly_3d_calc
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..drawing.pointing import shown_mesh

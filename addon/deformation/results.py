@@ -5,17 +5,18 @@ the user's. Either the first or the baked ones are shown, and the others muted: 
 constraints, so they would add up.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
-from ..scene.animation import animation_of
+from ..scene import animation, shape_keys
 from ..scene.applying import FOLLOWERS
 from ..scene.fingerprints import Fingerprint, Likeness, digests, names, recognise
-from ..scene.shape_keys import add_displacements, set_displacement
 from .constraints import deformation_of
 
 NAME = "Deformation"
@@ -34,7 +35,7 @@ class Known:
     names: list[str]
 
     @classmethod
-    def of(cls, obj: bpy.types.Object) -> "Known":
+    def of(cls, obj: bpy.types.Object) -> Known:
         """Look at all keys of ``obj``."""
         deformation, keys = deformation_of(obj), obj.data.shape_keys
         if keys is None:
@@ -88,12 +89,12 @@ def write(obj: bpy.types.Object, displacement: np.ndarray) -> bpy.types.ShapeKey
     deformation, key = deformation_of(obj), result_key(obj)
     if key is None:
         keep(Known.of(obj).kept)
-        (key,) = add_displacements(obj, [NAME], displacement[np.newaxis])
+        (key,) = shape_keys.add_displacements(obj, [NAME], displacement[np.newaxis])
         key.value = 1.0
     else:
         if key.name != deformation.key:
             note(f"{key.name!r} is written over: it was {deformation.key!r}")
-        set_displacement(obj, key, displacement)
+        shape_keys.set_displacement(obj, key, displacement)
     deformation.take(obj, "KEY", key.name)
     deformation.vertex_count = len(obj.data.vertices)
     return key
@@ -130,11 +131,11 @@ def show(obj: bpy.types.Object) -> None:
     key = known.single
     _mute(known.baked)
     key.mute = False
-    if animation_of(key, "mute"):
+    if animation.animation_of(key, "mute"):
         note(f"{key.name!r} is not seen where it is muted: that is animated")
-    animation = animation_of(key, "value")
-    if animation:
-        note(f"the value of {key.name!r} is {animation}, {key.value:.3g} now: 1 shows all of it")
+    how = animation.animation_of(key, "value")
+    if how:
+        note(f"the value of {key.name!r} is {how}, {key.value:.3g} now: 1 shows all of it")
     elif key.value == 0:
         key.value = 1.0
         note(f"{key.name!r} was at 0, and is at 1 now")
@@ -147,7 +148,7 @@ def show_baked(obj: bpy.types.Object) -> None:
     """Have the baked keys be seen, the single one not, and note what is in the way."""
     known = Known.of(obj)
     _mute([] if known.single is None else [known.single])
-    driven = [key.name for key in known.baked if animation_of(key, "value") == "driven"]
+    driven = [key.name for key in known.baked if animation.animation_of(key, "value") == "driven"]
     if driven:
         note(f"{told(driven)}: driven, so that the keyframes do not act")
     _note_hidden(obj, known.baked)
@@ -192,7 +193,7 @@ def _mute(keys: Sequence[bpy.types.ShapeKey]) -> None:
         key.mute = True
     if seen:
         note(f"muted, as it would be added: {told([key.name for key in seen])}")
-    animated = [key.name for key in keys if animation_of(key, "mute")]
+    animated = [key.name for key in keys if animation.animation_of(key, "mute")]
     if animated:
         note(f"{told(animated)} would be added where it is not muted: that is animated")
 

@@ -1,8 +1,9 @@
 """Patches that are picked one after the other, the last of which may still grow."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from .geodesics import Spread

@@ -4,11 +4,13 @@ Total variation shifts the pieces at a handle, and does not turn them. Pose turn
 handle, unless they are free to turn.
 """
 
+from __future__ import annotations
+
 import math
 
 import bpy
-import numpy as np
 from spectral_tv.deformation.settings import ALGORITHMS, TURNING, label_of
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from .constraints import SpectralTVConstraint, deformation_of, identified

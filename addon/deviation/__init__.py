@@ -1,8 +1,15 @@
 """How far a look is from the original: limited, measured, and shown in color."""
 
-from . import heat_map, limit_movement, measure, panel, properties
+from spectral_tv.later import modules_of
 
-FILES = (properties, limit_movement, measure, panel)
-START = (heat_map.start,)
-WITHDRAW = (heat_map.withdraw,)
-FORGET = (heat_map.forget,)
+__getattr__ = modules_of(__name__)
+
+FILES = (
+    "properties",
+    "limit_movement",
+    "measure",
+    "panel",
+)
+START = ("heat_map.start",)
+WITHDRAW = ("heat_map.withdraw",)
+FORGET = ("heat_map.forget",)

@@ -3,14 +3,15 @@
 Nothing of Blender's is kept between two drawings but batches of the graphics card.
 """
 
+from __future__ import annotations
+
 import time
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
-from ..bands import original
-from ..bands.deviation import Deviation
+from ..bands import deviation, original
 from ..bands.live_guard import question_of, sliders_of
 from ..drawing.views import is_seen, lifted, redraw_views
 from ..scene import lengths, listening, mix
@@ -33,7 +34,7 @@ BAR, LEFT, LETTERS, GAP = (14, 150), 75, 12, 8
 STEPS = 32
 
 _handles: list[object] = []
-_known: "dict[int, _Shown]" = {}
+_known: dict[int, _Shown] = {}
 
 
 @dataclass
@@ -109,7 +110,7 @@ def layer_of(
     obj: bpy.types.Object, graph: bpy.types.Depsgraph, moves: mix.Moves | None = None
 ) -> Layer:
     """What is drawn of an object: where it is seen, or before modifiers that add vertices."""
-    found = Deviation.of(obj, all_bands_shown(obj), moves)
+    found = deviation.Deviation.of(obj, all_bands_shown(obj), moves)
     shown = obj.evaluated_get(graph).data
     is_exact = len(shown.vertices) == len(obj.data.vertices)
     places = coordinates(shown.vertices).reshape(-1, 3) if is_exact else mix.shown(obj)

@@ -3,14 +3,13 @@
 from pathlib import Path
 
 import bpy
-import numpy as np
 from bpy.props import StringProperty
 from spectral_tv.bands.limits import LimitSettings
-from spectral_tv.files.whole import NotWritten, write_text
+from spectral_tv.files import whole as files_whole
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
-from ..bands import figures
-from ..bands.deviation import Deviation
+from ..bands import deviation, figures
 from ..bands.set_bands import BandsOperator
 from ..options.properties import choices_of
 from ..scene import results
@@ -48,10 +47,10 @@ class SPECTRAL_TV_OT_measure_deviation(
         text = figures.text_of(found)
         if self.filepath:  # first, as it may be refused
             try:
-                write_text(Path(bpy.path.abspath(self.filepath)), text)
-            except NotWritten as error:
+                files_whole.write_text(Path(bpy.path.abspath(self.filepath)), text)
+            except files_whole.NotWritten as error:
                 raise Refusal(str(error)) from error
-        signed = Deviation.of(obj, bands).signed
+        signed = deviation.Deviation.of(obj, bands).signed
         piece = Piece("ATTRIBUTE", np.asarray(signed)[:, np.newaxis], "FLOAT")
         with whole(obj):
             kept = keep_text(obj.data, "deviation", f"{obj.name} Deviation.json", text)

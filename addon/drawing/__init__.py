@@ -1,5 +1,4 @@
 """Drawing that panels share, and the preferences that it goes by; works without the package."""
 
-from . import preferences
-
-FILES = (preferences,)
+FILES = ("preferences",)
+FORGET = ("sizes.forget",)

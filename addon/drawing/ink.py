@@ -1,8 +1,10 @@
 """Letters and colors for pictures that are drawn pixel by pixel."""
 
+from __future__ import annotations
+
 import colorsys
 
-import numpy as np
+from spectral_tv.later import np
 
 HEIGHT = 5
 # Hues of the first and the last of several curves or bands.

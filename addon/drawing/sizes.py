@@ -6,10 +6,10 @@ been at rest for a moment, in Object Mode.
 
 import math
 import time
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from ..scene import listening
 from ..scene.coordinates import basis_coordinates, triangles

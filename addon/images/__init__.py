@@ -1,6 +1,12 @@
 """Images: their pixels read, split into bands, filtered, and written as new images."""
 
-from . import operator, panel, properties
+from spectral_tv.later import modules_of
 
-FILES = (properties, operator, panel)
+__getattr__ = modules_of(__name__)
+
+FILES = (
+    "properties",
+    "operator",
+    "panel",
+)
 VERBS = ("Filter",)

@@ -4,6 +4,8 @@ Blender converts to and from scene-linear values where files are read and writte
 that scripts could use; so values go through an image that is packed, or a file.
 """
 
+from __future__ import annotations
+
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,9 +14,9 @@ from functools import cache
 from pathlib import Path
 
 import bpy
-import numpy as np
 from spectral_tv.files.srgb import decoded, encoded
 from spectral_tv.images.encoding import SRGB
+from spectral_tv.later import np
 
 from ..scene.temporary import Temporary
 

@@ -3,8 +3,7 @@
 import bpy
 import spectral_tv
 from bpy.props import StringProperty
-from spectral_tv.images.bands import Prepared, prepare
-from spectral_tv.images.flows import STILL, Still
+from spectral_tv.images import bands, flows
 from spectral_tv.refusal import Refusal
 
 from ..bands import filter_curve
@@ -56,17 +55,20 @@ class SPECTRAL_TV_OT_filter_image(JobOperator, ImageChoices, bpy.types.Operator)
             raise Refusal(reason)
         return image
 
-    def prepare(self, image: bpy.types.Image) -> Prepared:
-        return prepare(sources.read(image), self.settings(), filter_curve.current())
+    def prepare(self, image: bpy.types.Image) -> "bands.Prepared":
+        return bands.prepare(sources.read(image), self.settings(), filter_curve.current())
 
-    def recall(self, prepared: Prepared) -> Still | None:
-        return STILL if prepared.request.is_still else None
+    def recall(self, prepared: "bands.Prepared") -> "flows.Still | None":
+        return flows.STILL if prepared.request.is_still else None
 
-    def start(self, prepared: Prepared) -> spectral_tv.Job:
+    def start(self, prepared: "bands.Prepared") -> spectral_tv.Job:
         return prepared.request.start()
 
     def write(
-        self, image: bpy.types.Image, prepared: Prepared, result: spectral_tv.Flow | Still
+        self,
+        image: bpy.types.Image,
+        prepared: "bands.Prepared",
+        result: "spectral_tv.Flow | flows.Still",
     ) -> str:
         names = results.write(image, prepared, result)
         return f"written as {', '.join(map(repr, names))}"

@@ -5,8 +5,8 @@ from spectral_tv.options.estimates import of_values
 
 from ..drawing.sidebar import say
 from ..drawing.work import WorkPanel, draw_button, draw_needs
+from . import results
 from .operator import SPECTRAL_TV_OT_filter_image
-from .results import source_of
 from .sources import refusal
 
 
@@ -20,7 +20,7 @@ class SPECTRAL_TV_PT_image(WorkPanel, bpy.types.Panel):
     def choices(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         super().choices(context, layout)
         image = context.edit_image
-        if image is not None and source_of(image) is not None:
+        if image is not None and results.source_of(image) is not None:
             layout.prop(image.spectral_tv, "source")
 
     def actions(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:

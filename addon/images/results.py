@@ -1,13 +1,15 @@
 """Images that are made of another image, written over those of the last time."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.images.bands import Prepared
 from spectral_tv.images.flows import Still
 from spectral_tv.images.pixels import Pixels
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from ..scene.documents import images_of, remember_image

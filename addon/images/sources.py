@@ -1,13 +1,14 @@
 """Reading Blender's images as they are shown, with what was painted on them."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
 from spectral_tv.images.pixels import Pixels
+from spectral_tv.later import np
 
 from ..scene.contents import digest
 from ..scene.temporary import Temporary
 from . import colors
-from .colors import Kind
 
 # Why images of other sources and types are not worked on.
 OTHERS = {
@@ -51,11 +52,11 @@ def read(image: bpy.types.Image) -> Pixels:
     is_associated = mode == "PREMUL"
     kind = colors.kind_of(space)
     # Blender converted the values when it read the file, not always so that they can be had back.
-    values = stored if kind is Kind.DATA else _of_file(image, stored)
+    values = stored if kind is colors.Kind.DATA else _of_file(image, stored)
     if values is not None:
         return Pixels(values, space, has_alpha, is_associated)
     seen = Pixels(stored, colors.scene_linear(), has_alpha, is_associated=True)
-    if kind is Kind.LINEAR:
+    if kind is colors.Kind.LINEAR:
         return seen
     straight = seen.associated(False).stored.copy()
     straight[..., :3] = colors.from_linear(straight[..., :3], space)

@@ -1,7 +1,11 @@
 """Jobs: long work in a thread beside Blender, its estimates, and what it refused."""
 
-from . import faults, jobs, operator, select_faulty, timers
-
-FILES = (operator, select_faulty)
-FORGET = (jobs.finish, faults.forget)
-WITHDRAW = (timers.remove_all,)
+FILES = (
+    "operator",
+    "select_faulty",
+)
+FORGET = (
+    "jobs.finish",
+    "faults.forget",
+)
+WITHDRAW = ("timers.remove_all",)

@@ -1,12 +1,14 @@
 """Vertices for which a mesh was refused: kept, so that they can be shown and selected."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
 import spectral_tv
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 

@@ -1,11 +1,11 @@
 """The one job that may run: work in a native thread, on copies, that never touches Blender."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
 import bpy
 import spectral_tv
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Work
 from spectral_tv.refusal import Refusal
 

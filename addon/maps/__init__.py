@@ -1,6 +1,11 @@
 """Maps over UVs, of what bands do: displacements and normals, baked by Cycles."""
 
-from . import bake_map, panel
+from spectral_tv.later import modules_of
 
-FILES = (bake_map, panel)
+__getattr__ = modules_of(__name__)
+
+FILES = (
+    "bake_map",
+    "panel",
+)
 VERBS = ("BakeMap",)

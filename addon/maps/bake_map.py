@@ -5,16 +5,12 @@ from bpy.props import StringProperty
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
-from ..bands.point_cache import RELATIVE
 from ..bands.set_bands import BandsOperator
 from ..job.progress import cursor_progress
-from ..options.properties import choices_of
+from ..options.properties import RELATIVE, choices_of
 from ..scene.objects import refusal
-from . import files
-from .baking import bake
-from .materials import show_map
+from . import baking, files, materials, telling
 from .settings import MapSettings
-from .telling import told
 
 
 class MapChoices(choices_of(MapSettings, "map")):
@@ -51,7 +47,7 @@ class SPECTRAL_TV_OT_bake_map(BandsOperator, MapChoices, bpy.types.Operator):
         other = other_selected(context) if asked.onto == "OTHER" else None
         target = files.target_of(obj, self.filepath, asked)
         with cursor_progress(context) as show:
-            baked = bake(obj, other, asked, show)
+            baked = baking.bake(obj, other, asked, show)
             is_over = target.exists()
             try:
                 files.write(target, baked)
@@ -60,10 +56,10 @@ class SPECTRAL_TV_OT_bake_map(BandsOperator, MapChoices, bpy.types.Operator):
         if is_over:
             note(f"{target.name} was written over")
         if asked.material:
-            show_map(other or obj, target, baked.kind, baked.uv_map)
+            materials.show_map(other or obj, target, baked.kind, baked.uv_map)
             if other is None:
                 note("its bands act beneath the map; Show Original has the map alone")
-        return told(baked, asked, target)
+        return telling.told(baked, asked, target)
 
 
 def other_selected(context: bpy.types.Context) -> bpy.types.Object:

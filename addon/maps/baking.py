@@ -1,10 +1,11 @@
 """Maps over the UVs of a mesh: of what its bands do, or of the surface of another mesh."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
 import bpy
-import numpy as np
 from spectral_tv.batches.options import free_memory
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

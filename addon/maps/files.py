@@ -1,12 +1,14 @@
 """The file of a map: which one it is, and writing it."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 import bpy
-import numpy as np
 from spectral_tv.files.checks import check
 from spectral_tv.files.room import with_room
 from spectral_tv.files.whole import NotWritten, ensure_writable
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..command_line.writing import written_by_blender

@@ -1,8 +1,9 @@
 """The tangent spaces of texels, as Cycles' nodes have them."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from .texels import Places
 from .triangles import Triangles
@@ -17,7 +18,7 @@ class Frames:
     signs: np.ndarray
 
     @classmethod
-    def of(cls, triangles: Triangles) -> "Frames":
+    def of(cls, triangles: Triangles) -> Frames:
         """Those of triangles with UVs."""
         return cls(triangles.normals, *triangles.tangents())
 

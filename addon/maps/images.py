@@ -1,6 +1,8 @@
 """Square images of texels: means of samples, and margins."""
 
-import numpy as np
+from __future__ import annotations
+
+from spectral_tv.later import np
 
 
 def mean_of_samples(

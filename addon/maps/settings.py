@@ -1,7 +1,6 @@
 """What is chosen of a map: of what it is, which kind, over whose UVs, and how large."""
 
-from dataclasses import dataclass
-
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import Only, choice, integer, number, switch
 
 SOURCES = (

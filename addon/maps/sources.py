@@ -1,9 +1,10 @@
 """What maps show of an object: how its bands move the surface, or the surface that is seen."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..bands.apply_look import note_unsettled, pinned_refusal
@@ -25,7 +26,7 @@ class Moved:
     moved: np.ndarray
 
     @classmethod
-    def of(cls, obj: bpy.types.Object, asked: MapSettings) -> "Moved":
+    def of(cls, obj: bpy.types.Object, asked: MapSettings) -> Moved:
         """What is asked for, before modifiers; raises Refusal if there is none."""
         _ensure_bands(obj)
         every = all_bands_of(obj)
@@ -48,7 +49,7 @@ class Seen:
     moved: np.ndarray | None
 
     @classmethod
-    def of(cls, obj: bpy.types.Object, asked: MapSettings) -> "Seen":
+    def of(cls, obj: bpy.types.Object, asked: MapSettings) -> Seen:
         """What rays from another mesh meet; raises Refusal if it cannot be seen."""
         with Temporary() as now:
             if asked.source == "LOOK":

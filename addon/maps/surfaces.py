@@ -1,10 +1,12 @@
 """The surface with the UVs, and what a map shows at its texels."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 

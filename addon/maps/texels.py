@@ -5,10 +5,11 @@ what a map holds can be worked out of arrays, in double precision, and one bake 
 of maps. Cycles does so in a scene of its own: nothing of the user's is touched.
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..scene.temporary import Temporary
@@ -16,7 +17,7 @@ from .triangles import Triangles
 
 FACE, CORNER = "Face", "Corner"
 # The weights of the second and the third corner, at the corners of a triangle.
-CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=np.float32)
+CORNERS = ((0, 0, 0), (1, 0, 0), (0, 1, 0))
 # Single precision counts so far.
 MOST_FACES = 1 << 24
 
@@ -36,7 +37,7 @@ class Places:
         found = corners[self.faces[chosen]]
         return np.einsum("nk,nkc->nc", self.weights[chosen], found, dtype=np.float64)
 
-    def among(self, texels: np.ndarray) -> "Places":
+    def among(self, texels: np.ndarray) -> Places:
         """Those of some texels, which all are among them."""
         rows = np.searchsorted(self.texels, texels)
         return Places(self.side, texels, self.faces[rows], self.weights[rows])
@@ -106,7 +107,7 @@ class _Baking:
         faces = mesh.attributes.new(FACE, "FLOAT", "FACE")
         faces.data.foreach_set("value", np.arange(1, count + 1, dtype=np.float32))
         corners = mesh.attributes.new(CORNER, "FLOAT_VECTOR", "CORNER")
-        corners.data.foreach_set("vector", np.tile(CORNERS, (count, 1)).ravel())
+        corners.data.foreach_set("vector", np.tile(np.float32(CORNERS), (count, 1)).ravel())
         mesh.materials.append(self.material)
         obj = now.made(bpy.data.objects.new("Bake", mesh))
         self.scene.collection.objects.link(obj)

@@ -1,9 +1,12 @@
 """The triangles of a mesh as arrays, with what maps need of their corners."""
 
-from dataclasses import dataclass, replace
+from __future__ import annotations
+
+from dataclasses import replace
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from ..scene.arrays import numbers
@@ -30,7 +33,7 @@ class Triangles:
     uvs: np.ndarray | None
 
     @classmethod
-    def of(cls, mesh: bpy.types.Mesh, uv_map: str | None = None) -> "Triangles":
+    def of(cls, mesh: bpy.types.Mesh, uv_map: str | None = None) -> Triangles:
         """Read a mesh without shape keys, in object space."""
         mesh.calc_loop_triangles()
         corners = numbers(mesh.loop_triangles, "loops", 3).reshape(-1, 3)
@@ -42,7 +45,7 @@ class Triangles:
         normals = _corner_normals(mesh)[corners]
         return cls(points(mesh.vertices), vertices, corners, normals, uvs)
 
-    def moved(self, matrix: np.ndarray) -> "Triangles":
+    def moved(self, matrix: np.ndarray) -> Triangles:
         """The same by a matrix (4, 4), without UVs."""
         linear = matrix[:3, :3]
         normals = self.normals @ np.linalg.inv(linear)

@@ -1,7 +1,9 @@
 """Whether a map can be baked over the UVs of a mesh, and what of them is told."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from spectral_tv.later import np
 from spectral_tv.options.declaring import OWN, Option, options_of
 
 from . import rows
@@ -22,6 +22,8 @@ KINDS = {
     "name": StringProperty,
 }
 PERCENT = 100
+# What Blender has to be told of a path since 4.5: that it may begin with "//".
+RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5) else set()
 # What the texts of lengths end with.
 KEPT = "It is kept relative to the size of the active object"
 # Which value stands for what suits the method.

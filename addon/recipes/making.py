@@ -1,19 +1,22 @@
 """A recipe made of objects: their bands, the values of these, and where they are held back."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.bands.guard import STRETCH
 from spectral_tv.bands.limits import Limited
 from spectral_tv.bands.settings import Settings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Steps
+from spectral_tv.later import np
 from spectral_tv.notes import listed, note
 
 from ..bands import limiting
@@ -76,7 +79,7 @@ class Making:
         recipe: Recipe,
         strength: float,
         limit: float = 0.0,
-    ) -> "Making":
+    ) -> Making:
         """Read the objects; raises Refusal or spectral_tv.MeshError if that cannot be done."""
         former = [_former(obj, recipe) for obj in objects]
         into = "REPLACE" if all(former) else "ADD"

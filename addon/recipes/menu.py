@@ -2,14 +2,13 @@
 
 import bpy
 
-from . import own
+from . import own, recipes
 from .operator import SPECTRAL_TV_OT_recipe
 from .own_operators import (
     SPECTRAL_TV_OT_recipe_export,
     SPECTRAL_TV_OT_recipe_import,
     SPECTRAL_TV_OT_recipe_preset,
 )
-from .recipes import RECIPES
 
 # Blender's menus that have that of the recipes.
 MENUS = ("VIEW3D_MT_object", "VIEW3D_MT_sculpt")
@@ -21,7 +20,7 @@ class SPECTRAL_TV_MT_recipes(bpy.types.Menu):
     bl_label = "Spectral TV"
 
     def draw(self, _context: bpy.types.Context) -> None:
-        for recipe in RECIPES:
+        for recipe in recipes.RECIPES:
             button(self.layout, recipe.name, recipe.icon)
         self.layout.separator()
         for _, recipe in own.own():

@@ -1,11 +1,13 @@
 """The noise of a scan: how strong it is, which bands hold it, and where sharp edges are."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 import spectral_tv
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from ..scene.normals import vertex_normals
 
@@ -33,7 +35,7 @@ class Neighbours:
     count: int
 
     @classmethod
-    def of(cls, triangles: np.ndarray, count: int) -> "Neighbours":
+    def of(cls, triangles: np.ndarray, count: int) -> Neighbours:
         """Those of a mesh."""
         sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
         sides = np.sort(sides.astype(np.int64), axis=1)
@@ -73,7 +75,7 @@ class Noise:
     normals: np.ndarray
 
     @classmethod
-    def of(cls, mesh: spectral_tv.Mesh) -> "Noise":
+    def of(cls, mesh: spectral_tv.Mesh) -> Noise:
         """Estimate it.
 
         Where the surface is smooth, twice the Laplacian leaves of its normal component the noise

@@ -1,8 +1,7 @@
 """The operator that makes a recipe of the active object."""
 
-from dataclasses import dataclass
-
 import bpy
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Steps
 from spectral_tv.notes import note
 
@@ -10,10 +9,8 @@ from ..job.jobs import Seen, all_unchanged
 from ..job.operator import JobOperator
 from ..scene import lengths
 from ..scene.objects import selected_meshes
-from . import own
-from .making import Made, Making
+from . import making, own, recipes
 from .properties import RecipeChoices
-from .recipes import RECIPES
 
 
 @dataclass(frozen=True)
@@ -21,7 +18,7 @@ class Prepared:
     """The object, and what is made of it."""
 
     seen: Seen
-    making: Making
+    making: "making.Making"
 
 
 class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
@@ -33,7 +30,7 @@ class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context, properties) -> str:
-        texts = {each.name: each.text for each in RECIPES}
+        texts = {each.name: each.text for each in recipes.RECIPES}
         return texts.get(properties.recipe, cls.__doc__)
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -47,15 +44,17 @@ class SPECTRAL_TV_OT_recipe(JobOperator, RecipeChoices, bpy.types.Operator):
         if others:
             left = "mesh stays as it is" if others == 1 else "meshes stay as they are"
             note(f"recipes are of the active object alone: the other selected {left}")
-        return Prepared(Seen.of(obj), Making.prepare([obj], recipe, asked.strength, asked.limit))
+        return Prepared(
+            Seen.of(obj), making.Making.prepare([obj], recipe, asked.strength, asked.limit)
+        )
 
-    def recall(self, prepared: Prepared) -> Made | None:
+    def recall(self, prepared: Prepared) -> "making.Made | None":
         return prepared.making.recall()
 
-    def start(self, prepared: Prepared) -> Steps[Made]:
+    def start(self, prepared: Prepared) -> "Steps[making.Made]":
         return prepared.making.start()
 
-    def write(self, _obj: bpy.types.Object, prepared: Prepared, result: Made) -> str:
+    def write(self, _obj: bpy.types.Object, prepared: Prepared, result: "making.Made") -> str:
         objects = all_unchanged([prepared.seen])
         done = prepared.making.write(objects, result)
         return "; ".join(

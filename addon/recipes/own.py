@@ -4,7 +4,6 @@ A file is JSON, which is read as data. Blender's own presets are Python that is 
 stranger could do anything.
 """
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, fields, replace
@@ -14,14 +13,15 @@ from typing import Any
 
 import bpy
 from spectral_tv.bands.settings import ON_NEW_OBJECT, Settings
-from spectral_tv.files.whole import NotWritten, write_text
+from spectral_tv.files import whole
+from spectral_tv.later import json
 from spectral_tv.notes import listed, note
 from spectral_tv.options.declaring import Option, options_of
 from spectral_tv.refusal import Refusal
 
-from ..scene.shape_keys import SLIDER_RANGE
+from ..scene import shape_keys
+from . import recipes
 from .recipe import Recipe
-from .recipes import RECIPES
 
 # In Blender's folder of presets.
 FOLDER = "spectral_tv/recipes"
@@ -42,14 +42,14 @@ USUAL = {
 
 def names() -> list[str]:
     """Those of all recipes; one's own come last."""
-    return [*(each.name for each in RECIPES), *(each.name for _, each in own())]
+    return [*(each.name for each in recipes.RECIPES), *(each.name for _, each in own())]
 
 
 def find(name: str) -> Recipe:
     """The recipe of a name, or of a file's path; raises Refusal if there is none."""
     if name.lower().endswith(EXTENSION):
         return read(Path(bpy.path.abspath(name)))
-    for recipe in (*RECIPES, *(each for _, each in own())):
+    for recipe in (*recipes.RECIPES, *(each for _, each in own())):
         if recipe.name.casefold() == name.strip().casefold():
             return recipe
     raise Refusal(f"there is no recipe {name!r}; there are {', '.join(names())}")
@@ -91,14 +91,14 @@ def save(recipe: Recipe, path: Path) -> None:
         "values": list(recipe.values),
     }
     try:
-        write_text(path, json.dumps(held, indent=2, ensure_ascii=False))
-    except NotWritten as error:
+        whole.write_text(path, json.dumps(held, indent=2, ensure_ascii=False))
+    except whole.NotWritten as error:
         raise Refusal(str(error)) from error
 
 
 def keep(recipe: Recipe) -> Path:
     """Add a recipe to one's own, in the place of one of the same name; returns its file."""
-    if recipe.name.casefold() in {each.name.casefold() for each in RECIPES}:
+    if recipe.name.casefold() in {each.name.casefold() for each in recipes.RECIPES}:
         raise Refusal(f"{recipe.name!r} is a recipe of Spectral TV; choose another name")
     if not recipe.name or len(recipe.name) > LONGEST:
         raise Refusal(f"a recipe has a name of at most {LONGEST} letters")
@@ -179,7 +179,9 @@ def _checked(held: Any, path: Path) -> Recipe:
     if not isinstance(values, list) or len(values) != settings.band_count:
         raise Refusal(f"{path.name} does not have a value for each of {settings.band_count} bands")
     for value in values:
-        if not (_is_number(value) and SLIDER_RANGE[0] <= value <= SLIDER_RANGE[1]):
+        if not (
+            _is_number(value) and shape_keys.SLIDER_RANGE[0] <= value <= shape_keys.SLIDER_RANGE[1]
+        ):
             raise Refusal(f"{path.name} has {value!r} as the value of a band")
     return Recipe(name.strip()[:LONGEST], text, settings, tuple(map(float, values)))
 

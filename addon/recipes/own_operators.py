@@ -11,9 +11,8 @@ from ..bands.bands import settings_of
 from ..bands.set_bands import bands_refusal
 from ..job.operator import REFUSALS, Refusing
 from ..scene.records import bands_of, record_of
-from . import own
+from . import own, recipes
 from .recipe import Recipe
-from .recipes import RECIPES
 
 
 class SPECTRAL_TV_OT_recipe_preset(Refusing, bpy.types.Operator):
@@ -130,7 +129,7 @@ def present(obj: bpy.types.Object | None, name: str) -> Recipe:
     if reason is not None:
         raise Refusal(reason)
     record = record_of(obj)
-    if any(each.cleans and each.name == record.recipe for each in RECIPES):
+    if any(each.cleans and each.name == record.recipe for each in recipes.RECIPES):
         note("the recipe does not look for noise: sizes and values are those of this object")
     bands = bands_of(obj)
     values = tuple(0.0 if band is None else round(band.value, 4) for band in bands)

@@ -5,8 +5,8 @@ import bpy
 from ..drawing.sidebar import say
 from ..drawing.work import WorkPanel, draw_fault
 from ..scene.objects import refusal, selected_meshes
+from . import recipes
 from .menu import SPECTRAL_TV_MT_own_recipes, button
-from .recipes import RECIPES
 
 
 class SPECTRAL_TV_PT_recipes(WorkPanel, bpy.types.Panel):
@@ -31,5 +31,5 @@ class SPECTRAL_TV_PT_recipes(WorkPanel, bpy.types.Panel):
             say(layout, context, f"Of {context.active_object.name} alone", "INFO")
         draw_fault(layout, context)
         grid = layout.grid_flow(columns=2, row_major=True, align=True, even_columns=True)
-        for recipe in RECIPES:
+        for recipe in recipes.RECIPES:
             button(grid, recipe.name, "NONE", chosen.strength, chosen.limit)

@@ -1,8 +1,7 @@
 """What a recipe is."""
 
-from dataclasses import dataclass
-
 from spectral_tv.bands.settings import Settings
+from spectral_tv.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,7 @@
 """What is chosen of a recipe: which one, and how strong."""
 
-from dataclasses import dataclass
-
 from spectral_tv.bands.limits import limit_option
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import name_of, number
 
 from . import own

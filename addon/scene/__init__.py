@@ -1,6 +1,16 @@
 """What Blender holds: objects and their surfaces read, shape keys, records and results written."""
 
-from . import band_nodes, decomposition, documents, masks, records, results, work_objects
+from spectral_tv.later import modules_of
 
-FILES = (band_nodes, decomposition, documents, masks, results, work_objects)
-LOADED = (records.adopt_all,)
+__getattr__ = modules_of(__name__)
+
+FILES = (
+    "band_nodes",
+    "decomposition",
+    "documents",
+    "masks",
+    "naming",
+    "results",
+    "work_objects",
+)
+LOADED = ("records.adopt_all",)

@@ -1,11 +1,13 @@
 """Fields of Blender's collections as arrays."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
+from spectral_tv.later import np
 
 
 def numbers(
-    items: bpy.types.bpy_prop_collection, field: str, width: int = 1, dtype: type = np.int32
+    items: bpy.types.bpy_prop_collection, field: str, width: int = 1, dtype: str | type = "int32"
 ) -> np.ndarray:
     """A field of all items, flat: ``width`` numbers of each."""
     flat = np.empty(width * len(items), dtype=dtype)

@@ -1,7 +1,9 @@
 """Bands that are vector attributes: a modifier adds them to the shape that shape keys show."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from . import band_nodes, node_inputs

@@ -4,12 +4,14 @@ The modifier comes first, so that bands act at rest, before an armature; shape k
 Values, mutes and masks are inputs of the modifier, and animated as such.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

@@ -1,9 +1,9 @@
 """What animates shape keys and others: F-curves in the action and in NLA strips, and drivers."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
 import bpy
+from spectral_tv.dataclass import dataclass
 from spectral_tv.notes import note
 
 

@@ -1,28 +1,28 @@
 """Attributes as arrays, and digests of what meshes hold."""
 
-import hashlib
+from __future__ import annotations
 
 import bpy
-import numpy as np
+from spectral_tv.later import hashlib, np
 
 from .arrays import corner_vertices, polygon_starts
 
 # Of every type of attribute that has numbers: where its data are, how many, and their dtype.
 TYPES = {
-    "FLOAT": ("value", 1, np.float32),
-    "INT": ("value", 1, np.int32),
-    "INT8": ("value", 1, np.int8),
+    "FLOAT": ("value", 1, "float32"),
+    "INT": ("value", 1, "int32"),
+    "INT8": ("value", 1, "int8"),
     "BOOLEAN": ("value", 1, bool),
-    "FLOAT2": ("vector", 2, np.float32),
-    "FLOAT_VECTOR": ("vector", 3, np.float32),
-    "FLOAT_COLOR": ("color", 4, np.float32),
-    "BYTE_COLOR": ("color", 4, np.float32),
+    "FLOAT2": ("vector", 2, "float32"),
+    "FLOAT_VECTOR": ("vector", 3, "float32"),
+    "FLOAT_COLOR": ("color", 4, "float32"),
+    "BYTE_COLOR": ("color", 4, "float32"),
 }
 
 
 def attribute_values(attribute: bpy.types.Attribute) -> np.ndarray:
     """The numbers of an attribute, flat; none of a type whose values are no numbers."""
-    field, channels, dtype = TYPES.get(attribute.data_type, ("", 0, np.float32))
+    field, channels, dtype = TYPES.get(attribute.data_type, ("", 0, "float32"))
     flat = np.empty(channels * len(attribute.data), dtype=dtype)
     if channels:
         attribute.data.foreach_get(field, flat)

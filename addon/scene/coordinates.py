@@ -1,7 +1,9 @@
 """Positions and triangles of a mesh as arrays."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
+from spectral_tv.later import np
 
 from .arrays import corner_vertices, numbers, polygon_starts
 from .temporary import Temporary

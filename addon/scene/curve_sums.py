@@ -1,11 +1,11 @@
 """Sums of F-curves."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain, pairwise
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from .fcurves import TOGETHER, Point
 from .temporary import Temporary

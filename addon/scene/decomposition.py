@@ -7,8 +7,8 @@ keys were renamed, reordered or sculpted, and no other key is taken for a band.
 from collections.abc import Callable
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
+from spectral_tv.later import np
 
 from .fingerprints import Fingerprint
 
@@ -99,7 +99,7 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
     )
     spectrum: CollectionProperty(type=SpectralTVSample)
 
-    def keep_spectrum(self, times: np.ndarray, strengths: np.ndarray) -> None:
+    def keep_spectrum(self, times: "np.ndarray", strengths: "np.ndarray") -> None:
         """Keep the spectrum: of each component the time (N,) and the strength (N,)."""
         # As a text, which takes a hundredth of what a collection does.
         numbers = np.column_stack([times, strengths]).astype(np.float32).ravel()
@@ -107,7 +107,7 @@ class SpectralTVRecord(bpy.types.PropertyGroup):
         self.spectrum.clear()
 
     @property
-    def kept_spectrum(self) -> np.ndarray:
+    def kept_spectrum(self) -> "np.ndarray":
         """The times and the strengths, (N, 2)."""
         samples = [(sample.time, sample.strength) for sample in self.spectrum]
         return np.array(samples or self.components.split(), dtype=np.float32).reshape(-1, 2)

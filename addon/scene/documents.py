@@ -8,8 +8,8 @@ do not point to copies.
 from collections.abc import Callable, Sequence
 
 import bpy
-import numpy as np
 from bpy.props import PointerProperty, StringProperty
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from .contents import digest
@@ -42,7 +42,7 @@ def keep_text(mesh: bpy.types.Mesh, role: str, name: str, content: str) -> bpy.t
     return text
 
 
-def keep_image(mesh: bpy.types.Mesh, role: str, name: str, pixels: np.ndarray) -> bpy.types.Image:
+def keep_image(mesh: bpy.types.Mesh, role: str, name: str, pixels: "np.ndarray") -> bpy.types.Image:
     """Keep pixels (H, W, 4), from the bottom up, as :func:`keep_text` does a text."""
     height, width, _ = pixels.shape
     image = _own(mesh, role)

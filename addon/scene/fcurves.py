@@ -1,10 +1,11 @@
 """F-curves as plain values: read, and made again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 # Keyframes nearer than this are one, in frames; Blender takes them for one too.
 TOGETHER = 0.01

@@ -9,8 +9,8 @@ from collections.abc import Collection, Sequence
 from enum import IntEnum
 
 import bpy
-import numpy as np
 from bpy.props import FloatVectorProperty, IntVectorProperty, StringProperty
+from spectral_tv.later import np
 
 from .contents import attribute_values, digest
 from .coordinates import coordinates
@@ -140,7 +140,7 @@ def rounding(key: bpy.types.ShapeKey) -> float:
     return CHANGE * ROUNDING * float(np.abs(coordinates(key.points)).max(initial=0.0))
 
 
-def sketch(displacements: np.ndarray) -> np.ndarray:
+def sketch(displacements: "np.ndarray") -> "np.ndarray":
     """Signed sums of (V, 3) displacements, (SUMS,), whose distances are about theirs (a count
     sketch: Charikar, Chen and Farach-Colton 2002)."""
     values = displacements.ravel()

@@ -1,16 +1,18 @@
 """Making a part of the mix of shape keys and bands the shape itself."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 
+from . import keeping
 from .coordinates import coordinates
-from .keeping import PLACES, Band, place_of
 from .mix import keys_of
 
 
-def become(obj: bpy.types.Object, displacement: np.ndarray, spent: Sequence[Band]) -> None:
+def become(obj: bpy.types.Object, displacement: np.ndarray, spent: Sequence[keeping.Band]) -> None:
     """Move the mesh and all its shape keys by (V, 3), in object space, and remove bands ``spent``.
 
     The other keys move the vertices as before. If only Basis is left, it goes too, as Blender does
@@ -20,8 +22,8 @@ def become(obj: bpy.types.Object, displacement: np.ndarray, spent: Sequence[Band
     for key in keys_of(mesh).values():
         _move(key.points, displacement)
     _move(mesh.vertices, displacement)
-    for place in PLACES.values():
-        place.remove(obj, [band for band in spent if place_of(band) == place])
+    for place in keeping.PLACES.values():
+        place.remove(obj, [band for band in spent if keeping.place_of(band) == place])
     if len(keys_of(mesh)) == 1:
         obj.shape_key_clear()
     mesh.update()

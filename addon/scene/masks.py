@@ -8,8 +8,8 @@ is, and never written.
 from collections.abc import Iterable, Sequence
 
 import bpy
-import numpy as np
 from bpy.props import StringProperty
+from spectral_tv.later import np
 from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 
@@ -31,7 +31,7 @@ class SpectralTVMask(bpy.types.PropertyGroup):
     name: StringProperty(name="Name", description="Of the vertex group")
 
 
-def sculpt_mask(mesh: bpy.types.Mesh) -> np.ndarray | None:
+def sculpt_mask(mesh: bpy.types.Mesh) -> "np.ndarray | None":
     """How much Sculpt Mode masks each vertex, (V,); None if it never did.
 
     Of levels of Multiresolution it tells nothing: Blender 4.2 has 0 everywhere then.
@@ -47,7 +47,7 @@ def mask_group(obj: bpy.types.Object, key: Slider) -> bpy.types.VertexGroup | No
     return obj.vertex_groups.get(key.vertex_group) if key.vertex_group else None
 
 
-def weights(obj: bpy.types.Object, key: Slider) -> np.ndarray:
+def weights(obj: bpy.types.Object, key: Slider) -> "np.ndarray":
     """Those of the mask of a key, (V,); raises Refusal if it has none."""
     if mask_group(obj, key) is None:
         missing = f": there is no vertex group {key.vertex_group!r}" if key.vertex_group else ""
@@ -61,7 +61,7 @@ def is_own(obj: bpy.types.Object, name: str) -> bool:
     return name in kept and name in obj.vertex_groups and bool(masked_by(obj, name))
 
 
-def give(obj: bpy.types.Object, key: Slider, found: np.ndarray) -> bpy.types.VertexGroup:
+def give(obj: bpy.types.Object, key: Slider, found: "np.ndarray") -> bpy.types.VertexGroup:
     """Have a key have a mask of these weights, (V,), of its own.
 
     A former one of its own is written over, unless something else uses it too. Raises Refusal if it

@@ -1,13 +1,15 @@
 """The other half that Mirror modifiers show, as copies of a mesh in object space."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 # Reflections of the axes x, y and z.
-FLIPS = np.ones((3, 3)) - 2 * np.eye(3)
+FLIPS = ((-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0))
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,6 @@ def _space(obj: bpy.types.Object, modifier: bpy.types.MirrorModifier) -> np.ndar
     return np.array(matrix, dtype=np.float64)
 
 
-def _affine(to_plane: np.ndarray, flip: np.ndarray) -> np.ndarray:
+def _affine(to_plane: np.ndarray, flip: tuple[float, ...]) -> np.ndarray:
     """The reflection in object space, (4, 4)."""
     return np.linalg.inv(to_plane) @ np.diag([*flip, 1.0]) @ to_plane

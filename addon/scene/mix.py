@@ -4,11 +4,13 @@ What is said of keys here is true of bands that are attributes too. They are add
 keys show, so a key that is pinned hides other keys, but not them.
 """
 
+from __future__ import annotations
+
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 
 from .attribute_band import AttributeBand, attribute_bands
 from .coordinates import basis_coordinates, points

@@ -4,12 +4,14 @@ A helper object that shares the mesh shows the top level alone, so that no setti
 itself has to be changed for a while.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from .applied import mesh_of

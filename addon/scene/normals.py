@@ -1,6 +1,8 @@
 """Normals of the vertices of triangles."""
 
-import numpy as np
+from __future__ import annotations
+
+from spectral_tv.later import np
 
 
 def vertex_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -4,12 +4,14 @@ Blender updates only what is shown. A hidden object keeps the place that it had 
 shown, unless something shown depends on it.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import bpy
-import numpy as np
 from mathutils import Matrix
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from .temporary import Temporary

@@ -1,17 +1,17 @@
 """The decompositions that a mesh remembers, and which shape keys their bands are today."""
 
-import uuid
 from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
 import bpy
+from spectral_tv.later import uuid
 from spectral_tv.refusal import Refusal
 
+from . import keeping
 from .contents import topology_digest
 from .decomposition import LABEL, SpectralTVRecord
 from .fingerprints import Likeness, digests
-from .keeping import PLACES, Band, Keeping
 from .property_values import set_values_of, values_of
 
 
@@ -55,9 +55,9 @@ def activate(mesh: bpy.types.Mesh, name: str) -> bool:
     return place >= 0
 
 
-def keeping_of(record: SpectralTVRecord) -> Keeping:
+def keeping_of(record: SpectralTVRecord) -> "keeping.Keeping":
     """Where its bands are kept."""
-    return PLACES[record.kept]
+    return keeping.PLACES[record.kept]
 
 
 def _mark(record: SpectralTVRecord) -> str:
@@ -177,7 +177,9 @@ def forget_stale(*_arguments: object) -> None:
                 mesh.update_tag()
 
 
-def bands_of(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> list[Band | None]:
+def bands_of(
+    obj: bpy.types.Object, record: SpectralTVRecord | None = None
+) -> "list[keeping.Band | None]":
     """The bands of a decomposition, None for those that were deleted; of the active one if none is
     named."""
     record = record_of(obj) if record is None else record
@@ -185,7 +187,7 @@ def bands_of(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> l
     return [there[name] if name else None for name, _ in recognise_bands(obj, record)]
 
 
-def band_of(obj: bpy.types.Object, number: int) -> Band:
+def band_of(obj: bpy.types.Object, number: int) -> "keeping.Band":
     """A band of the active decomposition, 1 being the finest; raises Refusal if it is not there."""
     found = bands_of(obj)
     if number > len(found):
@@ -196,7 +198,7 @@ def band_of(obj: bpy.types.Object, number: int) -> Band:
     return band
 
 
-def all_bands_of(obj: bpy.types.Object) -> list[Band]:
+def all_bands_of(obj: bpy.types.Object) -> "list[keeping.Band]":
     """The bands of all decompositions that are there."""
     found = []
     for record, likes in recognise_all(obj):
@@ -205,7 +207,9 @@ def all_bands_of(obj: bpy.types.Object) -> list[Band]:
     return found
 
 
-def bands_shown(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -> list[Band | None]:
+def bands_shown(
+    obj: bpy.types.Object, record: SpectralTVRecord | None = None
+) -> "list[keeping.Band | None]":
     """What `bands_of` gives, for panels, which ask at every redraw: known again only when names
     change."""
     record = record_of(obj) if record is None else record
@@ -219,7 +223,7 @@ def bands_shown(obj: bpy.types.Object, record: SpectralTVRecord | None = None) -
     return [there[name] if name else None for name in _shown[question][record.identifier]]
 
 
-def all_bands_shown(obj: bpy.types.Object) -> list[Band]:
+def all_bands_shown(obj: bpy.types.Object) -> "list[keeping.Band]":
     """What `all_bands_of` gives, for panels."""
     found = (bands_shown(obj, record) for record in records_of(obj))
     return [band for bands in found for band in bands if band is not None]
@@ -236,9 +240,9 @@ def recognise_all(
     band it is. No key is a band of two."""
     records = records_of(obj)
     found = []
-    for keeping in dict.fromkeys(keeping_of(each) for each in records):
-        own = [each for each in records if keeping_of(each) == keeping]
-        likes: Iterator = iter(keeping.recognise(obj, own))
+    for place in dict.fromkeys(keeping_of(each) for each in records):
+        own = [each for each in records if keeping_of(each) == place]
+        likes: Iterator = iter(place.recognise(obj, own))
         found += [(each, list(islice(likes, len(each.bands)))) for each in own]
     return found
 

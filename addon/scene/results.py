@@ -6,22 +6,22 @@ the user's: it stays, and the result is written beside it.
 """
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, IntProperty, PointerProperty, StringProperty
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 
+from . import shape_keys
 from .contents import TYPES
 from .decomposition import SpectralTVRecord
 from .documents import SpectralTVDocument
 from .fingerprints import Fingerprint, Likeness, digests, names, recognise
 from .masks import SpectralTVMask
 from .names import free_name, taken_names
-from .shape_keys import add_displacements, remove_key, set_displacement
 from .weights import add_group, set_weights
 from .whole import whole
 
@@ -76,7 +76,7 @@ class Piece:
     a type that :data:`TYPES` has, on vertices or as ``domain`` says."""
 
     written: str
-    values: np.ndarray
+    values: "np.ndarray"
     data_type: str = ""
     domain: str = "POINT"
 
@@ -243,7 +243,7 @@ def _add(obj: bpy.types.Object, piece: Piece, stem: str, label: str) -> str:
     """Add what a piece will be written into, and return its name."""
     name = free_name(stem, label, taken_names(obj, piece.written))
     if piece.written == "KEY":
-        (key,) = add_displacements(obj, [name], np.zeros((1, len(obj.data.vertices), 3)))
+        (key,) = shape_keys.add_displacements(obj, [name], np.zeros((1, len(obj.data.vertices), 3)))
         return key.name
     if piece.written == "GROUP":
         return add_group(obj, name).name
@@ -257,7 +257,7 @@ def _add(obj: bpy.types.Object, piece: Piece, stem: str, label: str) -> str:
 
 def _fill(obj: bpy.types.Object, piece: Piece, name: str) -> None:
     if piece.written == "KEY":
-        set_displacement(obj, obj.data.shape_keys.key_blocks[name], piece.values)
+        shape_keys.set_displacement(obj, obj.data.shape_keys.key_blocks[name], piece.values)
     elif piece.written == "GROUP":
         set_weights(obj.vertex_groups[name], piece.values)
     else:
@@ -272,7 +272,7 @@ def _fill(obj: bpy.types.Object, piece: Piece, name: str) -> None:
 
 def _remove(obj: bpy.types.Object, written: str, name: str) -> None:
     if written == "KEY":
-        remove_key(obj, obj.data.shape_keys.key_blocks[name])
+        shape_keys.remove_key(obj, obj.data.shape_keys.key_blocks[name])
     elif written == "GROUP":
         obj.vertex_groups.remove(obj.vertex_groups[name])
     else:

@@ -1,11 +1,13 @@
 """Shape keys as displacements: read, written, and removed without moving keys relative to them."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable, Sequence
 
 import bpy
-import numpy as np
 from spectral_tv.bands.gains import VALUES
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 from .channels import is_of, own_actions, remove_channels

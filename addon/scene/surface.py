@@ -1,13 +1,15 @@
 """Reading the surface of an object, or of several that belong together."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import bpy
-import numpy as np
 import spectral_tv
 from mathutils import Matrix, Vector
 from spectral_tv.bands.joining import joined
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.means import means
 from spectral_tv.notes import note
 
@@ -30,7 +32,7 @@ class Reading:
     leaves_out: bool
 
     @classmethod
-    def of_scene(cls) -> "Reading":
+    def of_scene(cls) -> Reading:
         """What is chosen in the sidebar."""
         chosen = bpy.context.scene.spectral_tv
         return cls(chosen.weld, chosen.leaves_out)
@@ -56,7 +58,7 @@ class Surface:
     @classmethod
     def read(
         cls, obj: bpy.types.Object, shape: np.ndarray | None = None, reading: Reading | None = None
-    ) -> "Surface":
+    ) -> Surface:
         """Read ``obj`` in a shape (V, 3) of its own, Basis if None; see `read_together`."""
         return cls.read_together([obj], [shape], reading)[0]
 
@@ -66,7 +68,7 @@ class Surface:
         objects: Sequence[bpy.types.Object],
         shapes: Sequence[np.ndarray | None],
         reading: Reading | None = None,
-    ) -> "list[Surface]":
+    ) -> list[Surface]:
         """Read objects as one surface; polygons become the triangles that Blender draws.
 
         Without a ``reading`` that of the scene counts. Raises Refusal if an object's scale is
@@ -79,19 +81,19 @@ class Surface:
         return cls._joined(parts, reading or Reading.of_scene())
 
     @classmethod
-    def read_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix, reading: Reading) -> "Surface":
+    def read_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix, reading: Reading) -> Surface:
         """Read a mesh that an object with this matrix in the world would have."""
         return cls._joined([_Part.of_mesh(mesh, matrix)], reading)[0]
 
     @classmethod
     def read_arrays(
         cls, shape: np.ndarray, corners: np.ndarray, matrix: Matrix, reading: Reading
-    ) -> "Surface":
+    ) -> Surface:
         """Read vertices (V, 3) and triangles (F, 3) of a mesh that such an object would have."""
         return cls._joined([_Part.of_arrays(shape, corners, matrix)], reading)[0]
 
     @classmethod
-    def _joined(cls, parts: "Sequence[_Part]", reading: Reading) -> "list[Surface]":
+    def _joined(cls, parts: Sequence[_Part], reading: Reading) -> list[Surface]:
         firsts = np.cumsum([0, *(len(part.copies.positions) for part in parts)])
         positions = np.concatenate([part.positions for part in parts])
         corners = np.concatenate(
@@ -199,7 +201,7 @@ class _Part:
     @classmethod
     def read(
         cls, obj: bpy.types.Object, shape: np.ndarray | None, origin: bpy.types.Object
-    ) -> "_Part":
+    ) -> _Part:
         """An object in a shape of its own, or Basis; distances are from the object ``origin``."""
         corners = triangles(obj.data, shape)
         shape = basis_coordinates(obj.data) if shape is None else shape
@@ -208,19 +210,19 @@ class _Part:
         return cls._placed(copies, corners, obj.matrix_world, shift)
 
     @classmethod
-    def of_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix) -> "_Part":
+    def of_mesh(cls, mesh: bpy.types.Mesh, matrix: Matrix) -> _Part:
         """A mesh by itself."""
         return cls.of_arrays(basis_coordinates(mesh), triangles(mesh), matrix)
 
     @classmethod
-    def of_arrays(cls, shape: np.ndarray, corners: np.ndarray, matrix: Matrix) -> "_Part":
+    def of_arrays(cls, shape: np.ndarray, corners: np.ndarray, matrix: Matrix) -> _Part:
         """Vertices and triangles by themselves."""
         return cls._placed(single(_without_strays(shape, corners)), corners, matrix, Vector())
 
     @classmethod
     def _placed(
         cls, copies: Copies, corners: np.ndarray, matrix_world: Matrix, shift: Vector
-    ) -> "_Part":
+    ) -> _Part:
         matrix = linear_of(matrix_world)
         turned = [
             places[corners[:, ::-1] if is_flipped else corners]

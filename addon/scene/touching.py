@@ -1,9 +1,11 @@
 """Which objects are parts of one surface: those whose open edges meet those of another."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import gathered
 
 from .surface import Reading, Surface

@@ -1,9 +1,11 @@
 """Weights of vertex groups as arrays."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
 # Weights below that are taken out of a vertex group.

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 import bpy
+from spectral_tv.dataclass import dataclass
 
 from .property_values import set_values_of, values_of
 

@@ -4,8 +4,8 @@ A work object remembers its source. So its shape can be put back, whatever eithe
 """
 
 import bpy
-import numpy as np
 from bpy.props import FloatVectorProperty, IntProperty, PointerProperty, StringProperty
+from spectral_tv.later import np
 from spectral_tv.notes import note
 
 from . import applied, multires
@@ -50,7 +50,7 @@ def make(source: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
     return work
 
 
-def remember(work: bpy.types.Object, source: bpy.types.Object, places: np.ndarray) -> None:
+def remember(work: bpy.types.Object, source: bpy.types.Object, places: "np.ndarray") -> None:
     """Have a work object remember where the top level of its source has its vertices, (V, 3)."""
     memory = work.spectral_tv_work
     memory.source, memory.called = source, source.name
@@ -67,7 +67,7 @@ def works_of(source: bpy.types.Object) -> list[bpy.types.Object]:
     ]
 
 
-def is_as_seen(work: bpy.types.Object, places: np.ndarray) -> bool:
+def is_as_seen(work: bpy.types.Object, places: "np.ndarray") -> bool:
     """Whether the top level of the source has its vertices, (V, 3), where the work object remembers
     them.
     """

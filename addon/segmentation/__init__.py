@@ -1,5 +1,12 @@
 """Parts: found alike in several poses, and written on them."""
 
-from . import cosegment, panel, properties, split_segments
+from spectral_tv.later import modules_of
 
-FILES = (properties, cosegment, split_segments, panel)
+__getattr__ = modules_of(__name__)
+
+FILES = (
+    "properties",
+    "cosegment",
+    "split_segments",
+    "panel",
+)

@@ -1,11 +1,12 @@
 """The operator that labels the same parts in several poses."""
 
 from functools import partial
+from typing import TypeAlias
 
 import bpy
-import numpy as np
 import spectral_tv
 from spectral_tv.jobs.steps import Steps, in_turn
+from spectral_tv.later import np
 from spectral_tv.notes import about
 from spectral_tv.refusal import Refusal
 from spectral_tv.segmentation.settings import DECOMPOSING, METHOD
@@ -19,7 +20,7 @@ from .properties import SegmentationChoices
 
 # What was read of each object.
 Prepared = list[tuple[Seen, Surface]]
-Labels = list[np.ndarray]
+Labels: TypeAlias = "list[np.ndarray]"
 
 
 class SPECTRAL_TV_OT_cosegment(JobOperator, SegmentationChoices, bpy.types.Operator):

@@ -1,6 +1,8 @@
 """Labels of vertices in connected parts."""
 
-import numpy as np
+from __future__ import annotations
+
+from spectral_tv.later import np
 
 
 def connected_parts(

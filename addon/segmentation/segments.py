@@ -1,7 +1,9 @@
 """Writing the parts of a mesh: vertex groups, face sets and colors."""
 
+from __future__ import annotations
+
 import bpy
-import numpy as np
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.segmentation.colors import color
 

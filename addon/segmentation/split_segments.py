@@ -3,8 +3,8 @@
 from contextlib import nullcontext
 
 import bpy
-import numpy as np
 from bpy.props import FloatProperty
+from spectral_tv.later import np
 from spectral_tv.notes import about, note
 from spectral_tv.refusal import Refusal
 
@@ -15,7 +15,7 @@ from ..scene.objects import refusal
 from ..scene.results import PARTS, SEGMENTS, Piece, groups_shown
 from ..scene.surface import Surface
 from ..scene.weights import weights_of
-from .parts import connected_parts
+from . import parts
 
 PART = "Part"
 # Of a vertex in no segment.
@@ -68,11 +68,11 @@ class SPECTRAL_TV_OT_split_segments(ChangeOperator, bpy.types.Operator):
         merged = np.full(len(mesh.vertex_areas), NOTHING)
         is_there = surface.place >= 0
         merged[surface.place[is_there]] = labels[is_there]
-        parts, own, joined = connected_parts(
+        numbers, own, joined = parts.connected_parts(
             merged, mesh.triangles, mesh.vertex_areas, self.least / 100 * mesh.area
         )
-        sizes = np.bincount(parts, mesh.vertex_areas, len(own))
-        found = surface.to_vertices(parts + 1) - 1
+        sizes = np.bincount(numbers, mesh.vertex_areas, len(own))
+        found = surface.to_vertices(numbers + 1) - 1
         pieces = {}
         for label, name in enumerate(names):
             # The largest first, and of equal ones that with the first vertex.

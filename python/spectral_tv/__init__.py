@@ -27,31 +27,12 @@ N steps, C channels; lengths are in the unit of the mesh, times in length square
 >>> taken.vectors(bands), taken.missed                 # (5, N, 3), and (N,)
 """
 
-from spectral_tv._accuracy import accuracy, start_accuracy
-from spectral_tv._bars import progress_bar
-from spectral_tv._caricature import caricature, start_caricature
-from spectral_tv._carry import Carried, carry
+# ruff: noqa: F403, F405 - the names are those of __all__
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from spectral_tv._copies import prepare
-from spectral_tv._cosegment import cosegment, start_cosegment
-from spectral_tv._decompose import (
-    decompose,
-    default_base_time,
-    default_scales,
-    estimate,
-    graded_times,
-    start_decompose,
-)
-from spectral_tv._deform import deform, start_deform
-from spectral_tv._eigen import eigenpairs, eigenset_test, start_eigenset_test
-from spectral_tv._flow import conformal_flow, flow, start_flow
-from spectral_tv._guard import (
-    folds,
-    safe_displacement,
-    self_intersections,
-    start_safe_displacement,
-    start_self_intersections,
-)
-from spectral_tv._image import decompose_image, start_decompose_image
 from spectral_tv._native import (
     Cancelled,
     Decomposition,
@@ -69,26 +50,26 @@ from spectral_tv._native import (
     total_variation,
 )
 from spectral_tv._options import DEFAULTS, METHODS, MethodFacts
-from spectral_tv._pose import pose, start_pose
-from spectral_tv._results import (
-    Accuracy,
-    Deformation,
-    EigensetTest,
-    Estimate,
-    Findings,
-    Folds,
-    Pose,
-    Rig,
-    SafeDisplacement,
-)
-from spectral_tv._rig import rig, start_rig
-from spectral_tv._sequence import decompose_sequence
-from spectral_tv._surfaces import in_kind
-from spectral_tv._thickness import start_thickness, thickness
-from spectral_tv._threads import use_threads
-from spectral_tv._transfer import Transfer, transfer
+
+if TYPE_CHECKING:
+    from spectral_tv._functions import *
+else:
+
+    def __getattr__(name: str) -> Any:
+        """Read the functions and results when the first of them is asked for."""
+        if name not in __all__:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        found = getattr(import_module("spectral_tv._functions"), name)
+        globals()[name] = found
+        return found
+
 
 prepare()
+
+
+def __dir__() -> list[str]:
+    return ["__all__", *__all__]
+
 
 __all__ = [
     "DEFAULTS",

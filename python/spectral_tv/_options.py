@@ -7,11 +7,14 @@ names, each with its text.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, TypeAlias, TypedDict
-
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypedDict
 
 from spectral_tv import _native
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+else:  # the documentation says it in words, and NumPy is not read for it
+    ArrayLike = Any
 
 Stepped: TypeAlias = (
     Annotated[

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,22 @@ ROOT = Path(__file__).resolve().parents[2]
 MODULE = "bl_ext.user_default.spectral_tv"
 OLDEST = (4, 2)
 IN_BLENDER = "bpy" in sys.modules
+# What scripts of other processes begin with.
+INSTALL = """
+import importlib, os, sys
+import bpy
+
+def install(path):
+    bpy.ops.extensions.package_install_files(
+        filepath=path, repo="user_default", enable_on_install=True
+    )
+    assert {module!r} in bpy.context.preferences.addons
+
+def tell():
+    print("problem:", importlib.import_module({module!r} + ".native").problem())
+    print("panels:", *sorted(n for n in dir(bpy.types) if n.startswith("SPECTRAL_TV_PT_")))
+    print("operators:", *sorted(dir(bpy.ops.spectral_tv)))
+"""
 
 if not IN_BLENDER:  # the module reads the variable on import; the user's own files stay apart
     _RESOURCES = tempfile.TemporaryDirectory(prefix="spectral_tv_tests_")
@@ -121,6 +138,44 @@ def blender(tmp_path_factory) -> Callable[..., subprocess.CompletedProcess[str]]
 
     options = ["-r", "user_default", "--enable", str(built_zip())]
     run("--command", "extension", "install-file", *options)
+    return run
+
+
+@pytest.fixture
+def session(tmp_path: Path):
+    """Runs a script in another process of this Blender, where nothing of ours is installed."""
+    packages = tmp_path / "packages"
+    packages.mkdir()
+    resources = tmp_path / "resources"
+    resources.mkdir()
+    environment = {**os.environ, "BLENDER_USER_RESOURCES": str(resources)}
+    if IN_BLENDER:
+        environment.pop("PYTHONPATH", None)
+        command = [bpy.app.binary_path, "--background", "--python-exit-code", "7", "--python"]
+    else:  # all packages that lie beside bpy but this one
+        for path in Path(str(distribution("bpy").locate_file(""))).iterdir():
+            if not path.name.startswith("spectral_tv"):
+                (packages / path.name).symlink_to(path)
+        environment["PYTHONPATH"] = str(packages)
+        command = [sys.executable, "-s", "-S"]
+
+    def run(script: str) -> str:
+        file = tmp_path / "script.py"
+        file.write_text(
+            INSTALL.format(module=MODULE) + script + "\nsys.stdout.flush(); os._exit(0)\n",
+            encoding="utf-8",
+        )
+        done = subprocess.run(
+            [*command, str(file)],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
     return run
 
 

@@ -78,3 +78,30 @@ def test_imports_point_one_way():
             if is_up or is_across:
                 wrong.append(f"{module} imports {other}")
     assert not wrong, "\n".join(sorted(wrong))
+
+
+def named_at_start() -> set[str]:
+    """The modules that the features' tables have read when the extension is enabled."""
+    found = set()
+    for package in (*FEATURES, "scene", "drawing", "job"):
+        for node in ast.parse(modules()[package].read_text(encoding="utf-8")).body:
+            tables = [
+                each.id for each in getattr(node, "targets", ()) if isinstance(each, ast.Name)
+            ]
+            if {"FILES", "START", "LOADED"} & {*tables}:
+                found |= {
+                    f"{package}.{name.split('.')[0]}" for name in ast.literal_eval(node.value)
+                }
+    return found
+
+
+def test_what_adds_itself_to_lists_of_others_is_read_at_start():
+    """It would miss what they tell of otherwise."""
+    adding = set()
+    for name, path in modules().items():
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            call = node.value if isinstance(node, ast.Expr) else None
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute):
+                adding.add(name)
+    assert {"bands.at_once", "bands.heights", "scene.naming"} <= adding
+    assert adding <= named_at_start()

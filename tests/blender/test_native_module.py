@@ -2,74 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
-from importlib.metadata import distribution
 from pathlib import Path
 from zipfile import ZipFile
 
-import bpy
-import pytest
-from conftest import IN_BLENDER, MODULE, built_zip
+from conftest import MODULE, built_zip
 
 FOREIGN = "linux_riscv64"  # Blender runs on none, so its wheel is never the one for this machine
-INSTALL = """
-import importlib, os, sys
-import bpy
-
-def install(path):
-    bpy.ops.extensions.package_install_files(
-        filepath=path, repo="user_default", enable_on_install=True
-    )
-    assert {module!r} in bpy.context.preferences.addons
-
-def tell():
-    print("problem:", importlib.import_module({module!r} + ".native").problem())
-    print("panels:", *sorted(n for n in dir(bpy.types) if n.startswith("SPECTRAL_TV_PT_")))
-    print("operators:", *sorted(dir(bpy.ops.spectral_tv)))
-"""
 WORKING = re.compile(r"problem: None\npanels: .*_PT_decompose.*\noperators: .*decompose")
 UNAVAILABLE = r"problem: (.*)\npanels: SPECTRAL_TV_PT_unavailable\noperators:\s*\n"
-
-
-@pytest.fixture
-def session(tmp_path: Path):
-    """Runs a script in another process of this Blender, where nothing of ours is installed."""
-    packages = tmp_path / "packages"
-    packages.mkdir()
-    resources = tmp_path / "resources"
-    resources.mkdir()
-    environment = {**os.environ, "BLENDER_USER_RESOURCES": str(resources)}
-    if IN_BLENDER:
-        environment.pop("PYTHONPATH", None)
-        command = [bpy.app.binary_path, "--background", "--python-exit-code", "7", "--python"]
-    else:  # all packages that lie beside bpy but this one
-        for path in Path(str(distribution("bpy").locate_file(""))).iterdir():
-            if not path.name.startswith("spectral_tv"):
-                (packages / path.name).symlink_to(path)
-        environment["PYTHONPATH"] = str(packages)
-        command = [sys.executable, "-s", "-S"]
-
-    def run(script: str) -> str:
-        file = tmp_path / "script.py"
-        file.write_text(
-            INSTALL.format(module=MODULE) + script + "\nsys.stdout.flush(); os._exit(0)\n",
-            encoding="utf-8",
-        )
-        done = subprocess.run(
-            [*command, str(file)],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=300,
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
-
-    return run
 
 
 def altered_zip(target: Path, rename: tuple[str, str], version: str | None = None) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
 import bpy
@@ -58,7 +59,7 @@ def bands() -> list:
 
 def path(band) -> str:
     """What Blender copies of its slider."""
-    places = sys.modules["bl_ext.user_default.spectral_tv.scene.attribute_place"]
+    places = import_module("bl_ext.user_default.spectral_tv.scene.attribute_place")
     return places.Attributes.path(band, "value")
 
 

@@ -1,19 +1,21 @@
 """The accuracy of a decomposition: what is measured, and its table."""
 
-import csv
+from __future__ import annotations
+
 import io
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import chain
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
 from spectral_tv.bands.settings import Settings
+from spectral_tv.later import csv, np
 from spectral_tv.options.estimates import Needs
 from spectral_tv.refusal import Refusal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # What is written per vertex: the label, what of spectral_tv.Accuracy it is, and its short name.
 ERRORS = (

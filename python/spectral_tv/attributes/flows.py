@@ -1,15 +1,18 @@
 """From a function on a mesh to its flow, and from the flow to the functions that are written."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
 from spectral_tv.attributes.settings import Settings, chosen_elements
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # What is written, beside the numbered bands.
 FLOW, FILTERED, BAND, REST = "Flow", "Filtered", "Band", "Rest"

@@ -1,15 +1,18 @@
 """The settings of a flow on a mesh; sizes are percentages of the square root of its area."""
 
-from dataclasses import dataclass
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
 from spectral_tv.bands.filtering import IN_BANDS, FilterSettings
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.options.declaring import Only, choice, name_of, number, switch
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 KINDS = (
     ("ATTRIBUTE", "Attribute", "An attribute of the mesh", "SPREADSHEET", 0),

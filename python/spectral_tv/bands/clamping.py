@@ -1,17 +1,20 @@
 """The mix of bands without what folds and stretches faces."""
 
-from collections.abc import Generator
-from dataclasses import dataclass
-from functools import partial
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Generator
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
 from spectral_tv.bands.counts import Counts
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Step, Steps, in_turn
+from spectral_tv.later import np
 from spectral_tv.notes import note
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)

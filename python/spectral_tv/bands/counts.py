@@ -1,6 +1,6 @@
 """How many faces bands fold and stretch, and how that is said."""
 
-from dataclasses import dataclass
+from spectral_tv.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,6 @@
 """The filter of a function's bands: what the user chooses, and the gain of each band."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-
-import numpy as np
 
 from spectral_tv.bands.gains import (
     PRESETS,
@@ -12,6 +9,8 @@ from spectral_tv.bands.gains import (
     preset_values,
     too_few_steps,
 )
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.options.declaring import Only, choice, integer, name_of, number, switch
 from spectral_tv.refusal import Refusal

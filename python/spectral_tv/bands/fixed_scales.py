@@ -1,16 +1,19 @@
 """What one filter for all frames of a moving shape takes once."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from numbers import Real
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+import spectral_tv
 from spectral_tv import _native
-from spectral_tv._decompose import default_base_time, default_scales, graded_times
 from spectral_tv._native import Decomposition, Job, Mesh, MeshError
 from spectral_tv._options import DEFAULTS, FEWEST_STEPS, METHODS, STEPS
+from spectral_tv.later import np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # The largest area that is worked with, length².
 LARGEST = 1e100
@@ -86,9 +89,11 @@ class FixedScales:
     def _default_times(self, area: float) -> NDArray[np.float64]:
         found = self._arguments
         pairs = found.get("eigenpairs", DEFAULTS["eigenpairs"])
-        finest, largest = default_scales(found["method"], pairs, _named(found.get("base")))
+        finest, largest = spectral_tv.default_scales(
+            found["method"], pairs, _named(found.get("base"))
+        )
         steps = found.get("steps", STEPS) if found.get("accuracy") is None else FEWEST_STEPS
-        return graded_times(area * finest, area * largest, steps)
+        return spectral_tv.graded_times(area * finest, area * largest, steps)
 
     def _fix_base(self, area: float) -> None:
         """Smooth the base as far in every frame, where it is the shape itself smoothed."""
@@ -98,7 +103,7 @@ class FixedScales:
         is_own = base is None or isinstance(base, str)
         is_smoothed = facts is not None and facts.takes_base and is_own
         if is_smoothed and found.get("base_time") is None:
-            found["base_time"] = area * default_base_time(_named(base))
+            found["base_time"] = area * spectral_tv.default_base_time(_named(base))
 
 
 def _checked(area: float) -> float:

@@ -1,14 +1,13 @@
 """What faces may do under bands, and clamping what they add."""
 
 import argparse
-import inspect
-from dataclasses import dataclass
 
-import spectral_tv
+from spectral_tv import _native
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import number
 
 # How many times its length an edge may become, where nothing else is asked for.
-STRETCH: float = inspect.signature(spectral_tv.folds).parameters["stretch"].default
+STRETCH: float = _native._STRETCH
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,17 @@
 """Meshes of corners that are joined where they belong together, with messages in percent."""
 
+from __future__ import annotations
+
 import re
 import warnings
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
+from spectral_tv.later import np
 from spectral_tv.notes import note
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # How the package says what would join corners, which is a length there.
 ADVICE = re.compile(r"pass weld=(?:(?P<length>[\d.e+-]+)|, a length beyond)")

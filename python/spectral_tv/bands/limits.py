@@ -1,9 +1,9 @@
 """A limit on how far bands move any vertex."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import number
 
 

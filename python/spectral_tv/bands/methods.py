@@ -1,9 +1,9 @@
 """The methods that split off bands: what they are called, and what each of them takes."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import spectral_tv
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import Only
 
 

@@ -1,18 +1,18 @@
 """The settings of a decomposition, in the user's terms: sizes are relative to the object's size."""
 
-import json
-import math
-from dataclasses import asdict, dataclass, fields
-from typing import Any, Literal
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+import math
+from dataclasses import asdict, fields
+from typing import TYPE_CHECKING, Any, Literal
 
 import spectral_tv
 from spectral_tv import DEFAULTS
 from spectral_tv._options import FEWEST_STEPS
 from spectral_tv.bands.gains import too_few_steps
 from spectral_tv.bands.methods import ITEMS, METHODS, WITH_BANDS, WITH_BASE, Method, taking
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import json, np
 from spectral_tv.options.declaring import (
     Only,
     choice,
@@ -25,6 +25,9 @@ from spectral_tv.options.declaring import (
     switch,
 )
 from spectral_tv.options.estimates import Needs, total
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 INTO_TEXT = "What becomes of the active decomposition"
 INTO = (
@@ -205,7 +208,7 @@ class Settings:
         return json.dumps(asdict(self))
 
     @classmethod
-    def of_text(cls, text: str) -> "Settings":
+    def of_text(cls, text: str) -> Settings:
         """The settings that a text keeps, be it of a version that had fewer or more."""
         known = {field.name for field in fields(cls)}
         kept = {**BEFORE, **json.loads(text)}

@@ -1,10 +1,10 @@
 """Bands taken from a surface that has other vertices: what the user chooses, and what is told."""
 
-from dataclasses import dataclass
-
-import numpy as np
+from __future__ import annotations
 
 import spectral_tv
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.options.declaring import choice, number
 
 FITS = (

@@ -4,10 +4,11 @@ import glob
 import os
 import sys
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from spectral_tv.command_line.places import is_folder
+from spectral_tv.dataclass import dataclass
 from spectral_tv.refusal import Refusal
 
 

@@ -1,8 +1,9 @@
 """A task: a file, and what to do with it."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from spectral_tv.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
 """Which formats there are, which library has each, and how it holds bands."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import Enum
+
+from spectral_tv.dataclass import dataclass
 
 
 class Holds(Enum):

@@ -1,13 +1,13 @@
 """The parts of a file's surface that are held and moved."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_tv.cli.reading import Read
 from spectral_tv.cli.surface import Surface
+from spectral_tv.dataclass import dataclass
 from spectral_tv.deformation.held import Held, constraining, note_soft_pin
 from spectral_tv.deformation.regions import EXAMPLES, Region
 from spectral_tv.refusal import Refusal

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Mapping
 from contextlib import redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import spectral_tv
 from spectral_tv._surfaces import arrays_of
 from spectral_tv.attributes.flows import ensure_finite
 from spectral_tv.cli.formats import COLORS, FORMATS, TEXTURES, TRIMESH, readable
+from spectral_tv.dataclass import dataclass
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
 

@@ -1,7 +1,7 @@
 """``segment``: files in, the same parts of all of them labelled alike."""
 
 from collections.abc import Generator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from spectral_tv.cli.writing import Result
 from spectral_tv.command_line.command import ERRORS
 from spectral_tv.command_line.places import ensure_file
 from spectral_tv.command_line.progress import progress
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.srgb import encoded
 from spectral_tv.jobs.steps import Step, Steps, in_turn
 from spectral_tv.notes import gathered, listed, note

@@ -1,10 +1,9 @@
 """The settings of work on files: Blender's, without what only Blender has."""
 
-from dataclasses import dataclass
-
 from spectral_tv.attributes import settings as attributes
 from spectral_tv.bands.limits import LimitSettings
 from spectral_tv.bands.settings import BASES, Settings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.deformation import settings as deformation
 from spectral_tv.options.declaring import Only, redeclared
 from spectral_tv.segmentation import settings as segmentation

@@ -1,6 +1,5 @@
 """The surface of a file as a mesh whose corners are joined where they belong together."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import spectral_tv
 from spectral_tv.bands.joining import joined
 from spectral_tv.bands.settings import Settings
 from spectral_tv.cli.reading import Read
+from spectral_tv.dataclass import dataclass
 from spectral_tv.means import means
 
 Numbers = NDArray[np.float64]

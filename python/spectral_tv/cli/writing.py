@@ -1,7 +1,7 @@
 """Writing surfaces and what came of them to files: whole, or not at all."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from spectral_tv._surfaces import in_kind
 from spectral_tv.cli.formats import COLORS, FORMATS, MESHIO, OWN, TEXTURES, Holds
 from spectral_tv.cli.morph_targets import with_morph_targets
 from spectral_tv.cli.reading import OWN_NAMES, Read
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.whole import written
 from spectral_tv.notes import a, listed, note
 from spectral_tv.refusal import Refusal

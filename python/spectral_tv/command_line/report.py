@@ -4,10 +4,11 @@ import errno
 import io
 import json
 import os
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from pathlib import Path
 from typing import Any
 
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.whole import NotWritten, alone
 
 DONE, SKIPPED, FAILED = "done", "skipped", "failed"

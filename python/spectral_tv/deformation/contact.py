@@ -1,15 +1,18 @@
 """What goes wrong with the faces of a posed surface: they cross one another, or turn over."""
 
-from collections.abc import Generator
-from dataclasses import dataclass
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Generator
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
+from spectral_tv.dataclass import dataclass
 from spectral_tv.jobs.steps import Step
+from spectral_tv.later import np
 from spectral_tv.notes import note
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,17 @@
 """What holds and moves a surface."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.notes import note
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # Painted weights reach 1 and 0 but for rounding.
 EXACT, NOTHING = 0.999, 1e-3

@@ -1,10 +1,11 @@
 """Parts of a shape beyond a percentage of its bounding box, named such as ``z<10%``."""
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from spectral_tv.dataclass import dataclass
 
 # What is said to who names something else.
 EXAMPLES = "regions are such as 'z<10%' or 'x>90%'"

@@ -1,8 +1,8 @@
 """The settings of a deformation."""
 
 from collections.abc import Collection
-from dataclasses import dataclass
 
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import Only, choice, number, options_of
 
 # With numbers, as files keep those of old.

@@ -1,9 +1,9 @@
 """Faces of a file that no surface can have."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
+
+from spectral_tv.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Container, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from spectral_tv.dataclass import dataclass
 from spectral_tv.notes import listed, note
 from spectral_tv.refusal import Refusal
 

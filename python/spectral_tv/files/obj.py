@@ -1,13 +1,14 @@
 """What is in an OBJ file, as far as Blender reads it, and writing it anew with other vertices."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.faces import Faces
 from spectral_tv.files.torn import number
 

@@ -3,12 +3,14 @@
 import re
 import struct
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
+
+from spectral_tv.dataclass import dataclass
 
 # NumPy's names of the types, under both of their names.
 TYPES = {

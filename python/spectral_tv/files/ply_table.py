@@ -2,12 +2,12 @@
 
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.faces import Faces
 from spectral_tv.files.ply import ORDERS, TYPES, Header, find, read_header
 

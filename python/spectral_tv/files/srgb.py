@@ -1,7 +1,13 @@
 """Values for displays, and the light that they stand for (IEC 61966-2-1)."""
 
-import numpy as np
-from numpy.typing import NDArray
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from spectral_tv.later import np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 def decoded(values: NDArray[np.float64]) -> NDArray[np.float64]:

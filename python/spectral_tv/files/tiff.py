@@ -4,13 +4,18 @@ Blender writes none with floats or with grey and alpha, and takes straight color
 premultiplied ones.
 """
 
+from __future__ import annotations
+
 import struct
 import zlib
-from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 SHORT, LONG, RATIONAL, BYTES = 3, 4, 5, 7
 DEFLATE, INCH = 8, 2

@@ -1,17 +1,21 @@
 """From a picture to its flow, and from the flow to bands and filtered pictures."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import spectral_tv
 from spectral_tv.bands.filtering import FILTERED, Curve, filter_values
+from spectral_tv.dataclass import dataclass
 from spectral_tv.images.flows import Request, Still, contrast_of
 from spectral_tv.images.pixels import Pixels
 from spectral_tv.images.settings import Settings
+from spectral_tv.later import np
 from spectral_tv.notes import note
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)

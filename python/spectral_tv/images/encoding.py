@@ -1,20 +1,24 @@
 """What a format makes of a picture; what it cannot keep is noted."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.profiles import fits, name_of
 from spectral_tv.files.tiff import Meaning, write_tiff
 from spectral_tv.images.formats import BY_SUFFIX, DEPTHS, HALF_MAX, STEPS, Format
 from spectral_tv.images.picture import Picture
 from spectral_tv.images.pixels import Pixels
+from spectral_tv.later import np
 from spectral_tv.notes import a, note
 from spectral_tv.refusal import Refusal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # The color space of displays, as Blender names it.
 SRGB = "sRGB"
@@ -51,7 +55,7 @@ class Target:
         depth: str | None,
         quality: int | None,
         forms: Mapping[str, Format] = BY_SUFFIX,
-    ) -> "Target":
+    ) -> Target:
         """That for a picture, in the format of the path's suffix; ``depth`` and ``quality`` are
         those that were asked for. Notes a depth that does not hold the picture's.
         """

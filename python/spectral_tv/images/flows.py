@@ -1,14 +1,17 @@
 """The flow of the visible part of a picture, as if there were nothing else."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 class Still:

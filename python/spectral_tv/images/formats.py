@@ -1,6 +1,6 @@
 """The formats that pictures are written in, and what each of them can hold."""
 
-from dataclasses import dataclass
+from spectral_tv.dataclass import dataclass
 
 # The depths, from the shallowest, and how messages call them.
 DEPTHS = {"8": "8 bits", "16": "16 bits", "half": "floats of 16 bits", "float": "floats of 32 bits"}

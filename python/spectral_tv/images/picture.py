@@ -1,17 +1,21 @@
 """A picture of a file: its values, and what the file says of them."""
 
-from dataclasses import dataclass, replace
+from __future__ import annotations
+
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spectral_tv.dataclass import dataclass
 from spectral_tv.files.headers import Header, Torn, Unreadable, read_header
 from spectral_tv.images.formats import BY_SUFFIX, STEPS
 from spectral_tv.images.pixels import Pixels
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.refusal import Refusal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 UPRIGHT, MIRRORED_ALONG_DIAGONAL = 1, 5
 

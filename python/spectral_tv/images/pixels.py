@@ -5,16 +5,21 @@ scene-linear. If colors are stored multiplied by alpha, they are divided by it f
 the stored picture plus the changes. So what does not change stays as it is, to the last bit.
 """
 
-from dataclasses import dataclass, replace
+from __future__ import annotations
+
+from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spectral_tv.dataclass import dataclass
+from spectral_tv.later import np
 from spectral_tv.refusal import Refusal
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
 # Of red, green and blue in luminance (ITU-R BT.709).
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LUMINANCE = (0.2126, 0.7152, 0.0722)
 # From this opacity on, a color is what a surface has rather than what it emits.
 MOSTLY = 0.5
 # What rounding may make of a color, relative to it.
@@ -91,13 +96,13 @@ class Pixels:
             return change * self.stored[..., 3:]
         return change
 
-    def changed(self, change: NDArray[np.float64]) -> "Pixels":
+    def changed(self, change: NDArray[np.float64]) -> Pixels:
         """The same with its colors changed by (H, W, C)."""
         stored = self.stored.copy()
         stored[..., :3] += self.stored_change(change)
         return replace(self, stored=stored)
 
-    def associated(self, is_associated: bool) -> "Pixels":
+    def associated(self, is_associated: bool) -> Pixels:
         """The same with its colors multiplied by alpha, or not.
 
         Colors under alpha 0 stay if they come to be divided by it, and else become 0.

@@ -1,9 +1,9 @@
 """How a picture is split, and which results are written; sizes are in pixels."""
 
-from dataclasses import dataclass
 from typing import Any
 
 from spectral_tv.bands.filtering import FilterSettings
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import Only, choice, number, switch
 
 RESULTS = (

@@ -4,8 +4,7 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
+from spectral_tv.later import np
 from spectral_tv.options.declaring import Only, Option, in_force, options_of
 
 # What stands for no end of a range.

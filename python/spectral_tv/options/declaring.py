@@ -5,8 +5,10 @@ panel, the argument of the command line, what a report says, and a keyword of th
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from typing import Any
+
+from spectral_tv.dataclass import dataclass
 
 OPTION = "option"
 # What stands for the number that suits the other options.

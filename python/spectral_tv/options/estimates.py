@@ -1,9 +1,11 @@
 """Estimates of the memory and the time of work, in words."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
 from typing import Any
 
 import spectral_tv
+from spectral_tv.dataclass import dataclass
 
 # What is worth saying before the button is pressed: seconds, and the part of the memory.
 LONG = 5.0

@@ -1,8 +1,8 @@
 """The settings of a segmentation."""
 
-from dataclasses import dataclass
 from typing import Literal
 
+from spectral_tv.dataclass import dataclass
 from spectral_tv.options.declaring import integer, several
 
 # What is decomposed, by which method, and the part of the work that it is.

@@ -87,8 +87,23 @@ fn mesh_error(error: &Error) -> PyErr {
 /// Gives the class the attributes that its exceptions have where no element is at fault.
 pub fn prepare(py: Python<'_>) -> PyResult<()> {
     let class = py.get_type::<MeshError>();
-    class.setattr("vertices", indices(py, &[]))?;
-    class.setattr("faces", indices(py, &[]))
+    class.setattr("vertices", NoElements)?;
+    class.setattr("faces", NoElements)
+}
+
+/// An empty array, made when it is asked for: the first array makes Python read NumPy.
+#[pyclass(frozen)]
+struct NoElements;
+
+#[pymethods]
+impl NoElements {
+    fn __get__<'py>(
+        &self,
+        _exception: &Bound<'py, PyAny>,
+        class: &Bound<'py, PyAny>,
+    ) -> Bound<'py, PyArray1<i64>> {
+        indices(class.py(), &[])
+    }
 }
 
 fn indices<'py>(py: Python<'py>, elements: &[usize]) -> Bound<'py, PyArray1<i64>> {

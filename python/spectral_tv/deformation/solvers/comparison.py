@@ -1,17 +1,20 @@
 """Ways to deform that are there for comparison."""
 
-from collections.abc import Generator
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Generator
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
 from spectral_tv.deformation.settings import label_of
 from spectral_tv.deformation.solvers.solver import Solved, Solver, came_along
 from spectral_tv.deformation.solvers.total_variation import of_optimum
 from spectral_tv.jobs.steps import Step, Steps
+from spectral_tv.later import np
 from spectral_tv.notes import note
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # The part of its total variation that the paper's algorithm may waste without a word.
 WASTE = 0.03

@@ -1,10 +1,9 @@
 """Total variation of rigid motions: pieces that turn, with joints at narrow places."""
 
-from collections.abc import Generator, Sequence
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Generator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
 from spectral_tv.deformation.contact import Contact, Rest
@@ -12,8 +11,12 @@ from spectral_tv.deformation.held import Held
 from spectral_tv.deformation.settings import Settings
 from spectral_tv.deformation.solvers.solver import Follower, Solved, Solving, came_along
 from spectral_tv.jobs.steps import Step, Steps
+from spectral_tv.later import np
 from spectral_tv.notes import note
 from spectral_tv.options.declaring import keywords
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # A step that moves a vertex by more than this, relative to the size, is followed by another one
 # before the exact pose is worked out.

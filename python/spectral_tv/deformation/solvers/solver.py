@@ -1,17 +1,21 @@
 """What all kinds of algorithms have in common."""
 
-from collections.abc import Generator, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Generator, Sequence
+from dataclasses import field
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
+from spectral_tv.dataclass import dataclass
 from spectral_tv.deformation.contact import Contact
 from spectral_tv.deformation.held import Held
 from spectral_tv.deformation.settings import Settings
 from spectral_tv.jobs.steps import Step, Steps
+from spectral_tv.later import np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # The part of the work on a sequence that preparing is.
 PREPARING = 0.05

@@ -1,14 +1,17 @@
 """Total variation of displacements: rigid pieces that shift, the paper's deformation."""
 
-from collections.abc import Generator, Sequence
-from typing import Any
+from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Generator, Sequence
+from typing import TYPE_CHECKING, Any
 
 import spectral_tv
 from spectral_tv.deformation.solvers.solver import Follower, Solved, Solving, came_along
 from spectral_tv.jobs.steps import Step, Steps
+from spectral_tv.later import np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 # A rough answer this far from the optimum is drawn once more before the exact one is worked out.
 ROUGH = 0.05

@@ -1,6 +1,8 @@
 """What the headers of all formats are read into."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from spectral_tv.dataclass import dataclass
 
 AS_RGB = "its CMYK colors are read as red, green and blue"
 
