@@ -40,7 +40,7 @@ impl Flow {
         let values = Array2::from_shape_simple_fn(dimensions, || filling.next().unwrap_or(1.0));
         let law: Option<Box<dyn Law>> = match self.law % 6 {
             0 => Some(Box::new(Heat)),
-            1 => unless_refused(ConformalLaplace::new(mesh, &operators, 3))
+            1 => unless_refused(ConformalLaplace::new(&operators, 3))
                 .map(|law| Box::new(law) as Box<dyn Law>),
             _ => unless_refused(TotalVariation::default().starting_at(&operators, values.view()))
                 .map(|law| Box::new(law) as Box<dyn Law>),

@@ -11,6 +11,8 @@ pub(crate) struct Graph {
     /// First neighbour of each vertex, V + 1.
     pub starts: Vec<u32>,
     pub neighbours: Vec<(u32, u32)>,
+    /// Whether its vertices are known to be numbered breadth first.
+    pub is_breadth_first: bool,
 }
 
 impl Graph {
@@ -53,7 +55,11 @@ impl Graph {
                 *place += 1;
             }
         })?;
-        Ok(Self { starts, neighbours })
+        Ok(Self {
+            starts,
+            neighbours,
+            is_breadth_first: false,
+        })
     }
 
     /// Number of entries in a lower triangle with this graph and a whole diagonal.

@@ -25,6 +25,7 @@ pub mod minimization;
 pub mod monitor;
 mod named;
 pub mod nearest;
+mod numbering;
 #[cfg(not(feature = "internals"))]
 mod operators;
 #[cfg(feature = "internals")]

@@ -3,6 +3,7 @@
 mod checks;
 mod parts;
 
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use ndarray::{Array2, ArrayView2};
@@ -12,17 +13,22 @@ use crate::error::Result;
 use crate::memory::needs;
 use crate::mesh::TriangleMesh;
 use crate::monitor::{Monitor, Stage};
+use crate::numbering::Numbering;
 pub use crate::operators::positions;
 use crate::operators::{
-    self, EdgeElements, EdgeLaplacian, Gradient, LaplacianPattern, Mass, invertible_masses,
+    self, EdgeElements, EdgeLaplacian, Gradient, LaplacianPattern, Mass, graph_of,
+    invertible_masses,
 };
 use crate::parallel;
 use crate::solver::{Cholesky, Demand, LinearSolver, Solver, Symbolic};
 
+/// Vertices from which flows number them anew: on fewer all that a pass needs is in caches anyway.
+const LARGE: usize = 30_000;
+
 /// G, the areas A and M, and the pattern of L(w), in the metric g₀ of a mesh.
 ///
 /// Functions are given by their values at vertices. What flows are its unknowns, N of them: those
-/// values, or values at edges.
+/// values, maybe in another order, or values at edges. Gradient, masses and systems are of the unknowns.
 #[derive(Debug, Clone)]
 pub struct Discretization {
     gradient: Gradient,
@@ -35,6 +41,8 @@ pub struct Discretization {
     couplings: Vec<f64>,
     /// Where the unknowns are edges.
     on_edges: Option<Arc<EdgeElements>>,
+    /// Where they are vertices in another order than the caller's.
+    numbering: Option<Arc<Numbering>>,
     area: f64,
     /// The largest component of a ∇λ, 1/length.
     steepest_hat: f64,
@@ -54,17 +62,42 @@ impl Discretization {
     /// # Errors
     /// As [`Self::new`], or [`crate::Error::Cancelled`].
     pub fn new_with(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
-        stage.require(
-            needs::operators(needs::Size::of(mesh)),
-            &format!("working on {} vertices", mesh.vertex_count()),
-            "take a mesh of fewer vertices",
-        )?;
+        require_operators(mesh, stage)?;
         let gradient = Gradient::new(mesh, stage)?;
         let masses = invertible_masses(mesh.vertex_areas());
         Self::of_parts(gradient, masses, mesh.area(), stage)
     }
 
-    /// The operators of `mesh` for functions of these `elements`.
+    /// The operators of `mesh` for flows. On a large mesh the unknowns are numbered breadth first: passes
+    /// over it then find what they need in the processor's caches. Flows take and give values at
+    /// vertices, by the caller's numbers; see [`Self::unknowns`] and [`Self::values`].
+    ///
+    /// # Errors
+    /// As [`Self::new_with`].
+    pub(crate) fn for_flows(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
+        match mesh.vertex_count() < LARGE {
+            true => Self::new_with(mesh, stage),
+            false => Self::numbered(mesh, stage),
+        }
+    }
+
+    /// The same however small the mesh.
+    pub(crate) fn numbered(mesh: &TriangleMesh, stage: Stage) -> Result<Self> {
+        require_operators(mesh, stage)?;
+        let graph = graph_of(mesh.triangles(), mesh.vertex_count(), stage)?;
+        let numbering = Numbering::breadth_first(&graph, stage)?;
+        let graph = numbering.renumbered(&graph, stage)?;
+        let gradient = Gradient::numbered(mesh, &numbering, stage)?;
+        let masses = invertible_masses(mesh.vertex_areas());
+        let masses = parallel::map(&numbering.order, |vertex| masses[*vertex as usize]);
+        let pattern = LaplacianPattern::of_graph(graph);
+        Ok(Self {
+            numbering: Some(numbering.into()),
+            ..Self::of_pattern(gradient, pattern, masses, mesh.area(), stage)?
+        })
+    }
+
+    /// The operators of `mesh` for flows of functions of these `elements`.
     ///
     /// # Errors
     /// As [`Self::new_with`].
@@ -74,7 +107,7 @@ impl Discretization {
         stage: Stage,
     ) -> Result<Self> {
         if elements == Elements::Vertices {
-            return Self::new_with(mesh, stage);
+            return Self::for_flows(mesh, stage);
         }
         stage.require(
             needs::edge_operators(needs::Size::of(mesh)),
@@ -96,6 +129,16 @@ impl Discretization {
 
     fn of_parts(gradient: Gradient, masses: Vec<f64>, area: f64, stage: Stage) -> Result<Self> {
         let pattern = LaplacianPattern::new(&gradient, stage)?;
+        Self::of_pattern(gradient, pattern, masses, area, stage)
+    }
+
+    fn of_pattern(
+        gradient: Gradient,
+        pattern: LaplacianPattern,
+        masses: Vec<f64>,
+        area: f64,
+        stage: Stage,
+    ) -> Result<Self> {
         let steepest = |face: usize| {
             let hats = gradient.hats(face);
             let components = hats.as_flattened().iter();
@@ -116,6 +159,7 @@ impl Discretization {
             masses,
             couplings: Vec::new(),
             on_edges: None,
+            numbering: None,
             area,
         })
     }
@@ -144,17 +188,26 @@ impl Discretization {
     /// The unknowns, (C, N), of the function with these `values` (C, V); `None` where they are the
     /// values.
     pub(crate) fn unknowns(&self, values: ArrayView2<f64>) -> Option<Array2<f64>> {
-        let on_edges = self.on_edges.as_ref()?;
-        Some(on_edges.sample(values))
+        match (&self.on_edges, &self.numbering) {
+            (Some(on_edges), _) => Some(on_edges.sample(values)),
+            (None, Some(numbering)) => Some(numbering.inwards(values)),
+            (None, None) => None,
+        }
     }
 
     /// The values, (C, V), of the function with these `unknowns` (C, N). Where a vertex is in no
     /// triangle, that of `before`.
     pub(crate) fn values(&self, unknowns: Array2<f64>, before: ArrayView2<f64>) -> Array2<f64> {
-        match &self.on_edges {
-            None => unknowns,
-            Some(on_edges) => on_edges.interpolate(unknowns.view(), before),
+        match (&self.on_edges, &self.numbering) {
+            (Some(on_edges), _) => on_edges.interpolate(unknowns.view(), before),
+            (None, Some(numbering)) => numbering.outwards(unknowns.view()),
+            (None, None) => unknowns,
         }
+    }
+
+    /// The order of the unknowns, if they are vertices in another order than the caller's.
+    pub(crate) fn numbering(&self) -> Option<&Arc<Numbering>> {
+        self.numbering.as_ref()
     }
 
     /// TV of the function with these `values` (C, V), unit of the values × length. It is that of the
@@ -236,10 +289,30 @@ impl Discretization {
         &self.masses
     }
 
+    /// The same by the caller's numbers, where the unknowns are at vertices.
+    pub(crate) fn vertex_masses(&self) -> Cow<'_, [f64]> {
+        match &self.numbering {
+            None => (&*self.masses).into(),
+            Some(numbering) => {
+                let places = &numbering.places[..];
+                parallel::map(places, |place| self.masses[*place as usize]).into()
+            }
+        }
+    }
+
     /// Area of the surface, length².
     pub fn area(&self) -> f64 {
         self.area
     }
+}
+
+/// Has the operators of `mesh` granted their memory.
+fn require_operators(mesh: &TriangleMesh, stage: Stage) -> Result<()> {
+    stage.require(
+        needs::operators(needs::Size::of(mesh)),
+        &format!("working on {} vertices", mesh.vertex_count()),
+        "take a mesh of fewer vertices",
+    )
 }
 
 #[cfg(test)]

@@ -31,11 +31,11 @@ pub struct ConformalLaplace {
 }
 
 impl ConformalLaplace {
-    /// The law on `mesh` for P = `p`, which is 1, 2 or 3.
+    /// The law on the mesh of `operators` for P = `p`, which is 1, 2 or 3.
     ///
     /// # Errors
     /// [`crate::Error::Argument`] for another P.
-    pub fn new(mesh: &TriangleMesh, operators: &Discretization, p: u32) -> Result<Self> {
+    pub fn new(operators: &Discretization, p: u32) -> Result<Self> {
         if !(1..=3).contains(&p) {
             return Err(ArgumentError::value("p", "must be 1, 2 or 3", p).into());
         }
@@ -46,7 +46,7 @@ impl ConformalLaplace {
                 .iter()
                 .map(|mass| AREA_FLOOR * mass)
                 .collect(),
-            triangles: Arc::clone(mesh.triangles()),
+            triangles: Arc::clone(operators.gradient().shared_triangles()),
         })
     }
 }
@@ -144,7 +144,7 @@ pub fn conformal_mean_curvature_flow_with(
         &format!("a conformal flow of {steps} steps on {vertices} vertices"),
         "take fewer steps, or a mesh of fewer vertices",
     )?;
-    let law = ConformalLaplace::new(mesh, operators, 2)?;
+    let law = ConformalLaplace::new(operators, 2)?;
     let times: Vec<f64> = (0..=steps)
         .map(|k| duration * k as f64 / steps as f64)
         .collect();

@@ -55,9 +55,9 @@ fn descend(
     let (stage, law, gradient) = (system.stage, system.law, system.operators.gradient());
     let lanes = stage.pass(|| SideBySide::from(state.view()))?;
     let norms = stage.pass(|| gradient.norms(&lanes))?;
-    let force = system.force(&norms, &lanes)?;
-    // Made again: systems take the most memory while they are solved.
+    // Made again: systems take the most memory while they are set up and solved.
     drop(lanes);
+    let force = system.force((&norms).into(), state.view())?;
     let descent = stage.pass(|| force.residual(step, masses, state.view()))?;
     let direction = system.increment(&descent, (step, masses), state.view(), None, TOLERANCE)?;
     let square = stage.pass(|| inner_product(descent.view(), direction.view()))?;

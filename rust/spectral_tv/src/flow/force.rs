@@ -1,5 +1,7 @@
 //! The force of a step: the weights of a law at given gradients, and their Laplacian.
 
+use std::borrow::Cow;
+
 use ndarray::{Array2, ArrayView2, Zip};
 
 use crate::discretization::Discretization;
@@ -28,14 +30,17 @@ impl Force {
     pub fn new(
         operators: &Discretization,
         law: &dyn Law,
-        norms: &[f64],
-        state: &SideBySide,
+        norms: Cow<[f64]>,
+        state: ArrayView2<f64>,
         stage: Stage,
     ) -> Result<Self> {
         let edges = operators.edges();
-        let weights = stage.pass(|| law.weights(norms))?;
+        let weights = stage.pass(|| law.weights(&norms))?;
+        drop(norms);
         let couplings = stage.pass(|| edges.couplings(operators.gradient(), &weights))?;
-        let flux = stage.pass(|| edges.apply(&couplings, state))?;
+        // Not before the couplings, which take memory while they are made.
+        let lanes = stage.pass(|| SideBySide::from(state))?;
+        let flux = stage.pass(|| edges.apply(&couplings, &lanes))?;
         Ok(Self {
             flux,
             weights,

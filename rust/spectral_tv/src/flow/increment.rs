@@ -4,6 +4,7 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, Zip, aview0};
 use rayon::prelude::*;
 
 use crate::error::has_usable_size;
+use crate::numbering::Numbering;
 use crate::parallel;
 
 /// Why rows of the arrays here are slices.
@@ -77,6 +78,19 @@ impl Increment {
         match precision {
             Precision::Short => single.shortened(),
             _ => single,
+        }
+    }
+
+    /// Takes it from a numbering to that of the caller. To be done before it is in 16 bits, as these have units
+    /// for neighbours.
+    pub(super) fn renumber(&mut self, numbering: &Numbering) {
+        match self {
+            Self::Double(values) => *values = numbering.outwards(values.view()),
+            Self::Single { values, .. } => *values = numbering.outwards(values.view()),
+            Self::Short { .. } => {
+                let values = numbering.outwards(self.values().view());
+                *self = Self::new(&values, Precision::Short);
+            }
         }
     }
 

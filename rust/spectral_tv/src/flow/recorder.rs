@@ -1,5 +1,7 @@
 //! Collects the trajectory of a running flow.
 
+use std::sync::Arc;
+
 use ndarray::{Array1, Array2, ArrayView2};
 
 use crate::discretization::Discretization;
@@ -8,6 +10,7 @@ use crate::flow::increment::{Increment, Precision};
 use crate::flow::origin::{origin_of, without};
 use crate::flow::times::check_times;
 use crate::flow::trajectory::Trajectory;
+use crate::numbering::Numbering;
 
 /// What a step arrived at.
 #[derive(Debug, Clone)]
@@ -30,13 +33,16 @@ const LATEST: usize = 3;
 
 /// The trajectory so far, and its last state as it was solved for, apart from a constant.
 pub(super) struct Recorder {
+    /// Its latest increments are numbered as states are.
     trajectory: Trajectory,
+    /// How states are numbered, if not as trajectories are.
+    numbering: Option<Arc<Numbering>>,
     origin: Array1<f64>,
     state: Array2<f64>,
 }
 
 impl Recorder {
-    /// Starts at `initial` (C, V).
+    /// Starts at `initial` (C, V). States are values at vertices, by the caller's numbers.
     ///
     /// # Errors
     /// If the times do not increase from 0, or a value is not finite.
@@ -55,8 +61,26 @@ impl Recorder {
         Ok(Self {
             state: without(trajectory.initial.clone(), &origin),
             origin,
+            numbering: None,
             trajectory,
         })
+    }
+
+    /// The same where states are numbered as the unknowns of `operators`, which are at vertices.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_unknowns(
+        operators: &Discretization,
+        initial: Array2<f64>,
+        times: &[f64],
+    ) -> Result<Self> {
+        let mut record = Self::new(operators, initial, times)?;
+        if let Some(numbering) = operators.numbering() {
+            record.state = numbering.inwards(record.state.view());
+            record.numbering = Some(Arc::clone(numbering));
+        }
+        Ok(record)
     }
 
     /// The constant, (C), that states are recorded apart from.
@@ -69,7 +93,7 @@ impl Recorder {
         self.state.view()
     }
 
-    /// The increments so far.
+    /// The increments so far. The latest three are numbered as states are.
     pub fn increments(&self) -> &[Increment] {
         &self.trajectory.increments
     }
@@ -109,14 +133,25 @@ impl Recorder {
         let increments = &mut self.trajectory.increments;
         increments.push(increment);
         let earlier = increments.len().checked_sub(LATEST + 1);
-        let earlier = earlier.filter(|_| is_short);
         if let Some(earlier) = earlier.and_then(|place| increments.get_mut(place)) {
-            earlier.shorten();
+            if let Some(numbering) = &self.numbering {
+                earlier.renumber(numbering);
+            }
+            if is_short {
+                earlier.shorten();
+            }
         }
     }
 
     /// The finished trajectory.
-    pub fn finish(self) -> Trajectory {
+    pub fn finish(mut self) -> Trajectory {
+        if let Some(numbering) = &self.numbering {
+            let increments = &mut self.trajectory.increments;
+            let latest = increments.len().saturating_sub(LATEST);
+            for increment in &mut increments[latest..] {
+                increment.renumber(numbering);
+            }
+        }
         self.trajectory
     }
 }

@@ -16,7 +16,7 @@ use crate::flow::step_system::StepSystem;
 use crate::flow::time_step::{History, TimeStep};
 use crate::flow::trajectory::Trajectory;
 use crate::monitor::Stage;
-use crate::operators::{SideBySide, inner_product};
+use crate::operators::inner_product;
 use crate::solver::{Demand, Solver};
 
 /// Where a semi-implicit step takes its weights.
@@ -68,7 +68,7 @@ pub fn semi_implicit_flow(
 ) -> Result<Trajectory> {
     // On a thread of the pool that the solver shares its work with.
     rayon::scope(|_| {
-        let mut record = stage.pass(|| Recorder::new(operators, initial, times))??;
+        let mut record = stage.pass(|| Recorder::of_unknowns(operators, initial, times))??;
         let mut steps = StepSolver::new(operators, law, weights, record.state(), solver, stage)?;
         for k in 0..times.len() - 1 {
             stage.report(k as f64 / (times.len() - 1) as f64)?;
@@ -127,7 +127,7 @@ impl<'a> StepSolver<'a> {
         Ok(Self {
             system,
             dual,
-            now: stage.pass(|| measured(operators, law, initial, &initial.into()))?,
+            now: stage.pass(|| measured(operators, law, initial))?,
             before: None,
         })
     }
@@ -155,7 +155,7 @@ impl<'a> StepSolver<'a> {
         };
         if weights == Weights::Extrapolated {
             let (solution, next) = match self.dual.take() {
-                None => self.extrapolated(&history, dt, guess())?,
+                None => self.extrapolated(&history, dt, guess)?,
                 Some(dual) => self.by_newton(dual, &history, dt)?,
             };
             if next.total_variation <= self.now.total_variation * (1.0 + ROUNDING) {
@@ -163,7 +163,7 @@ impl<'a> StepSolver<'a> {
             }
             // The extrapolation overshot an extinction; the lagged step never raises TV.
         }
-        self.lagged(&history, dt, guess())
+        self.lagged(&history, dt, guess)
     }
 
     /// Goes on from the state that is measured by `next`.
@@ -177,13 +177,13 @@ impl<'a> StepSolver<'a> {
         &mut self,
         history: &History,
         dt: f64,
-        guess: Option<Array2<f64>>,
+        guess: impl FnOnce() -> Option<Array2<f64>>,
     ) -> Result<(Solution, Measured<'a>)> {
         let stage = self.system.stage;
         let step = stage.pass(|| TimeStep::backward_euler(history, dt))?;
         let force = match self.now.force.take() {
             Some(force) => force,
-            None => self.system.force(&self.now.norms, &history.state.into())?,
+            None => self.system.force((&self.now.norms).into(), history.state)?,
         };
         let masses = self.now.masses.clone();
         let (state, _) = self.solve(history, &step, force, &masses, guess, TOLERANCE)?;
@@ -218,7 +218,7 @@ impl<'a> StepSolver<'a> {
         &mut self,
         history: &History,
         dt: f64,
-        guess: Option<Array2<f64>>,
+        guess: impl FnOnce() -> Option<Array2<f64>>,
     ) -> Result<(Solution, Measured<'a>)> {
         let mut norms = None;
         let mut masses = self.now.masses.clone();
@@ -233,9 +233,8 @@ impl<'a> StepSolver<'a> {
             }
             _ => TimeStep::backward_euler(history, dt),
         };
-        let weighing = norms.as_deref().unwrap_or(&self.now.norms);
-        let force = self.system.force(weighing, &history.state.into())?;
-        drop(norms);
+        let weighing = norms.map_or((&self.now.norms).into(), Cow::Owned);
+        let force = self.system.force(weighing, history.state)?;
         let is_linear = self.system.law.is_linear();
         let tolerance = if is_linear {
             TOLERANCE
@@ -253,7 +252,7 @@ impl<'a> StepSolver<'a> {
     }
 
     /// Solves (M + τ L(w)) u⁺ = M û, with L(w) of `force` and M of `masses`, for the increment
-    /// u⁺ − u, of which `guess` is a first guess: where the mesh lies in space then costs no
+    /// u⁺ − u, of which `guess` makes a first guess: where the mesh lies in space then costs no
     /// digits. Returns u⁺ and the square of the increment's energy norm.
     fn solve(
         &mut self,
@@ -261,7 +260,7 @@ impl<'a> StepSolver<'a> {
         step: &TimeStep,
         mut force: Force,
         masses: &[f64],
-        guess: Option<Array2<f64>>,
+        guess: impl FnOnce() -> Option<Array2<f64>>,
         tolerance: f64,
     ) -> Result<(Array2<f64>, f64)> {
         let (system, start) = (&mut self.system, history.state);
@@ -272,6 +271,8 @@ impl<'a> StepSolver<'a> {
             .set_matrix(masses, couplings, step.tau, stage)?;
         let residual = stage.pass(|| force.residual(step, masses, start))?;
         let at = (step, masses);
+        // Made no sooner: until here memory is needed otherwise.
+        let guess = stage.pass(guess)?;
         let mut state = system.increment(&residual, at, start, guess, tolerance)?;
         let size = stage.pass(|| inner_product(residual.view(), state.view()))?;
         let add = |value: &mut f64, start: &f64| *value += start;
@@ -280,18 +281,22 @@ impl<'a> StepSolver<'a> {
     }
 
     /// Measures a state and adds the duality gap of a TV step, for the dual field w ∇u.
-    fn certified(&self, state: Array2<f64>, step: &TimeStep) -> Result<(Solution, Measured<'a>)> {
-        let lanes = state.view().into();
+    fn certified(
+        &mut self,
+        state: Array2<f64>,
+        step: &TimeStep,
+    ) -> Result<(Solution, Measured<'a>)> {
+        self.system.solver.forget_matrix();
         let StepSystem {
             operators,
             law,
             stage,
             ..
         } = self.system;
-        let mut next = stage.pass(|| measured(operators, law, state.view(), &lanes))?;
+        let mut next = stage.pass(|| measured(operators, law, state.view()))?;
         let mut gap = 0.0;
         if law.is_total_variation() {
-            let force = self.system.force(&next.norms, &lanes)?;
+            let force = self.system.force((&next.norms).into(), state.view())?;
             gap = stage.pass(|| force.gap(operators, step, &next.norms, state.view()))?;
             next.force = Some(force);
         }
@@ -308,14 +313,13 @@ impl<'a> StepSolver<'a> {
     }
 }
 
-/// Measures a `state`, whose channels are side by side in `lanes`.
+/// Measures a `state`.
 fn measured<'a>(
     operators: &'a Discretization,
     law: &dyn Law,
     state: ArrayView2<f64>,
-    lanes: &SideBySide,
 ) -> Measured<'a> {
-    let norms = operators.gradient().norms(lanes);
+    let norms = operators.gradient().norms(&state.into());
     let masses = law.masses(state);
     Measured {
         total_variation: variation(operators, &norms),

@@ -1,5 +1,7 @@
 //! The linear systems of the steps of one flow, which share one pattern.
 
+use std::borrow::Cow;
+
 use ndarray::{Array2, ArrayView2};
 
 use crate::discretization::Discretization;
@@ -10,7 +12,6 @@ use crate::flow::law::Law;
 use crate::flow::means::Means;
 use crate::flow::time_step::TimeStep;
 use crate::monitor::Stage;
-use crate::operators::SideBySide;
 use crate::solver::{Demand, LinearSolver, Solver};
 
 /// Shift of a component, relative to its largest increment, beyond which single precision has
@@ -52,7 +53,7 @@ impl<'a> StepSystem<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
-    pub fn force(&self, norms: &[f64], state: &SideBySide) -> Result<Force> {
+    pub fn force(&self, norms: Cow<[f64]>, state: ArrayView2<f64>) -> Result<Force> {
         Force::new(self.operators, self.law, norms, state, self.stage)
     }
 
@@ -80,7 +81,6 @@ impl<'a> StepSystem<'a> {
         tolerance: f64,
     ) -> Result<Array2<f64>> {
         let is_exact = self.solver.is_exact();
-        let guess = guess.as_ref();
         let mut increment = self.solver.solve(residual, guess, tolerance, self.stage)?;
         let restored = || self.means.restore(&mut increment, step, masses, start);
         let shift = self.stage.pass(restored)?;

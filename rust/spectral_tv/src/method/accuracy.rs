@@ -142,11 +142,12 @@ pub fn accuracy_with(
         ),
         "take fewer steps or bands, less refinement, or a mesh of fewer vertices",
     )?;
-    let operators = Discretization::new_with(mesh, stage)?;
+    let operators = Discretization::for_flows(mesh, stage)?;
     let share = stage.stage(0.0, REPRESENTATION_SHARE);
     let Representation { flows, along, .. } =
         Representation::new(mesh, &operators, settings, share)?;
     let operators = along.map_or(operators, |(_, operators)| operators);
+    let masses = operators.vertex_masses();
 
     let work = (refined + 2 * steps.iter().sum::<usize>()) as f64;
     let mut done = 0;
@@ -179,8 +180,7 @@ pub fn accuracy_with(
         };
         for &count in steps {
             let trajectory = run(scheme, count)?;
-            let (distance, relative) =
-                band_errors(&bands(&trajectory), &refined, operators.masses());
+            let (distance, relative) = band_errors(&bands(&trajectory), &refined, &masses);
             let transform = SpectralTransform::new(trajectory);
             let all_pass = match is_paper {
                 true => paper_all_pass(&operators, &flows, &transform, stage)?,

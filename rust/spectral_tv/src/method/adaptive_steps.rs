@@ -2,7 +2,6 @@
 
 use ndarray::Array2;
 
-use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result};
 use crate::flow::Trajectory;
 use crate::method::band_errors::{lengths, norm};
@@ -30,13 +29,13 @@ const SHARE: f64 = 0.4;
 /// of the last one's is `accuracy`, relative to the bands: Richardson's estimate
 /// |b_n − b_m|/((m/n)^q − 1) for n < m steps and order q.
 ///
-/// `flow` runs through times that `times` gives for a number of steps, of which there are
+/// `masses` are those of the vertices. `flow` runs through times that `times` gives for a number of steps, of which there are
 /// `fewest` at first.
 ///
 /// # Errors
 /// If `accuracy` takes too many steps; or as `flow` and `times`.
 pub(super) fn adapted(
-    operators: &Discretization,
+    masses: &[f64],
     accuracy: f64,
     fewest: usize,
     times: impl Fn(usize) -> Result<Vec<f64>>,
@@ -60,7 +59,7 @@ pub(super) fn adapted(
     let mut next = 2 * steps;
     loop {
         let (trajectory, bands) = run(next)?;
-        let change = change(&before, &bands, operators.masses());
+        let change = change(&before, &bands, masses);
         let gain = (next as f64 / steps as f64).powf(ORDER) - 1.0;
         let error = change / gain;
         if error <= accuracy {

@@ -44,9 +44,13 @@ pub fn decompose_with(
     let (stage, rest) = (stage.stage(0.0, FLOW_SHARE), stage.stage(FLOW_SHARE, 1.0));
     stage.report(0.0)?;
     check_memory(mesh, settings, stage)?;
-    let operators = Discretization::new_with(mesh, stage)?;
+    let work = settings.method.facts().work;
+    let operators = match work {
+        Work::Flow { .. } | Work::Base => Discretization::for_flows(mesh, stage)?,
+        Work::Eigenpairs => Discretization::new_with(mesh, stage)?,
+    };
     let mut base = None;
-    let (trajectory, displacement) = match settings.method.facts().work {
+    let (trajectory, displacement) = match work {
         Work::Flow { .. } => by_steps(mesh, &operators, settings, stage, &mut base)?,
         Work::Eigenpairs => (by_eigenpairs(mesh, &operators, settings, stage)?, None),
         Work::Base => (by_base(mesh, &operators, settings, stage)?, None),
@@ -76,6 +80,8 @@ fn by_steps(
     let times = |steps: usize| settings.default_times(mesh.area(), steps);
     let rest = stage.stage(share, 1.0);
     let trajectory = if let Some(accuracy) = settings.accuracy {
+        let masses = used.vertex_masses();
+        let masses = &*masses;
         let flow = |times: &[f64], stage: Stage| {
             let again = flows
                 .iter()
@@ -87,9 +93,9 @@ fn by_steps(
                 check_times(given)?;
                 let fewest = given.len() - 1;
                 let times = |steps: usize| Ok(subdivided(given, steps));
-                adapted(used, accuracy, fewest, times, flow, rest)?
+                adapted(masses, accuracy, fewest, times, flow, rest)?
             }
-            None => adapted(used, accuracy, FEWEST_STEPS, times, flow, rest)?,
+            None => adapted(masses, accuracy, FEWEST_STEPS, times, flow, rest)?,
         }
     } else {
         let times = match &settings.times {

@@ -1,6 +1,6 @@
 //! On which side of its base a shape lies: the sign α of M3.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, CowArray};
 
 use crate::discretization::Discretization;
 use crate::error::Result;
@@ -31,6 +31,12 @@ pub(super) fn outward_signs(
     solver: Solver,
     stage: Stage,
 ) -> Result<Vec<f64>> {
+    let numbered = |values| match operators.unknowns(values) {
+        Some(unknowns) => CowArray::from(unknowns),
+        None => CowArray::from(values),
+    };
+    let displacements = stage.pass(|| numbered(displacements))?;
+    let normals = stage.pass(|| numbered(normals))?;
     let (gradient, masses) = (operators.gradient(), operators.masses());
     let columns = || displacements.columns().into_iter();
     let lengths: Vec<f64> = columns().map(|d| d.dot(&d).sqrt()).collect();
@@ -81,6 +87,7 @@ pub(super) fn outward_signs(
         data[[0, vertex]] = masses[vertex] * displacement.dot(&normal) / mean;
     }
     let smoothed = solver.solve(&data, None, TOLERANCE, stage)?;
+    let smoothed = operators.values(smoothed, data.view());
     Ok(smoothed
         .iter()
         .map(|&s| if s < 0.0 { -1.0 } else { 1.0 })

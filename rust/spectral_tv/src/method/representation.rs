@@ -63,7 +63,7 @@ impl Representation {
             }
             Method::ShapeTv => vec![tv(shape)?],
             Method::ConformalLaplace => vec![Flowed {
-                law: Box::new(ConformalLaplace::new(mesh, operators, settings.p)?),
+                law: Box::new(ConformalLaplace::new(operators, settings.p)?),
                 values: shape,
             }],
             Method::DirectionalTv => {
@@ -89,7 +89,7 @@ impl Representation {
                     Metric::Surface => tv(values)?,
                     Metric::Base => {
                         let base = with_shape(mesh, &found.base)?;
-                        let operators = Discretization::new_with(&base, stage)?;
+                        let operators = Discretization::for_flows(&base, stage)?;
                         let flowed = tv_on(&operators, values)?;
                         along = Some((base, operators));
                         flowed

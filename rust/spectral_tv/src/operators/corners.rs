@@ -6,7 +6,7 @@
 use crate::error::Result;
 use crate::monitor::Stage;
 use crate::operators::Gradient;
-use crate::operators::edge_laplacian::grouped;
+use crate::operators::grouped::grouped;
 
 /// The corners at every vertex of a mesh.
 pub struct Corners {

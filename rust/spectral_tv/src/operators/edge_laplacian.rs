@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::graph::Graph;
 use crate::monitor::Stage;
 use crate::operators::side_by_side::{Lanes, SideBySide, WIDTH};
-use crate::operators::{Gradient, LaplacianPattern, element_stiffness};
+use crate::operators::{Gradient, LaplacianPattern};
 use crate::parallel;
 
 /// No corner of a face.
@@ -60,16 +60,30 @@ impl EdgeLaplacian {
     /// c of every entry of the pattern for the weights w of the faces of `gradient`; 0 for diagonal entries.
     pub fn couplings(&self, gradient: &Gradient, weights: &[f64]) -> Vec<f64> {
         let areas = gradient.face_areas();
-        let share =
-            |face: usize| element_stiffness(&gradient.hats(face), -areas[face] * weights[face]);
-        self.couplings_of(&parallel::values(areas.len(), share))
+        // Of each face three times, as to keep its shares would take as much memory as all couplings and half
+        // as much again.
+        self.gathered(|corner| {
+            let (face, place) = (corner as usize / 3, corner as usize % 3);
+            let [i, j, k] = gradient.hats(face);
+            let [p, q] = match place {
+                0 => [j, k],
+                1 => [k, i],
+                _ => [i, j],
+            };
+            -areas[face] * weights[face] * (p[0] * q[0] + p[1] * q[1])
+        })
     }
 
     /// The same from the `shares` of every face in the couplings of the edges that its corners face.
     pub fn couplings_of(&self, shares: &[[f64; 3]]) -> Vec<f64> {
         let shares = shares.as_flattened();
-        let share = |corner: u32| shares.get(corner as usize).copied().unwrap_or(0.0);
-        let coupling = |corners: &[u32; 2]| share(corners[0]) + share(corners[1]);
+        self.gathered(|corner| shares[corner as usize])
+    }
+
+    /// The same where `share` gives that of a corner.
+    fn gathered(&self, share: impl Fn(u32) -> f64 + Sync + Send) -> Vec<f64> {
+        let present = |corner: u32| if corner == NONE { 0.0 } else { share(corner) };
+        let coupling = |corners: &[u32; 2]| present(corners[0]) + present(corners[1]);
         let mut couplings = parallel::map(self.corners.par_iter(), coupling);
         for &(entry, corner) in &self.further {
             couplings[entry as usize] += share(corner);
@@ -131,28 +145,12 @@ impl EdgeLaplacian {
     }
 }
 
-/// The places of each of the `count` keys in `keys`, one after the other, and where each key's
-/// begin.
-pub(crate) fn grouped(keys: &[u32], count: usize, stage: Stage) -> Result<(Vec<u32>, Vec<u32>)> {
-    let mut starts = vec![0_u32; count + 1];
-    stage.for_each(keys, |&key| starts[key as usize + 1] += 1)?;
-    for key in 0..count {
-        starts[key + 1] += starts[key];
-    }
-    let mut next = starts.clone();
-    let mut places = vec![0; keys.len()];
-    stage.for_each(keys.iter().enumerate(), |(place, &key)| {
-        places[next[key as usize] as usize] = place as u32;
-        next[key as usize] += 1;
-    })?;
-    Ok((starts, places))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::examples::five_vertices;
     use crate::monitor::Monitor;
+    use crate::operators::element_stiffness;
 
     #[test]
     fn edges_give_what_the_gradient_and_its_adjoint_give() {

@@ -9,6 +9,8 @@ use sprs::{CsMat, TriMat};
 use crate::error::Result;
 use crate::mesh::TriangleMesh;
 use crate::monitor::Stage;
+use crate::numbering::Numbering;
+use crate::operators::grouped::grouped;
 use crate::operators::side_by_side::{Lanes, SideBySide};
 use crate::parallel;
 
@@ -51,6 +53,41 @@ impl Gradient {
         })
     }
 
+    /// The same with vertices in another `numbering`, and faces in the order of their first vertices in it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub(crate) fn numbered(
+        mesh: &TriangleMesh,
+        numbering: &Numbering,
+        stage: Stage,
+    ) -> Result<Self> {
+        let corners = |triangle: &[u32; 3]| triangle.map(|v| numbering.places[v as usize]);
+        let first = |triangle: &[u32; 3]| corners(triangle).into_iter().min().unwrap_or(0);
+        let firsts = stage.pass(|| parallel::map(&mesh.triangles()[..], first))?;
+        let (_, order) = grouped(&firsts, mesh.vertex_count(), stage)?;
+        drop(firsts);
+        let areas = mesh.face_areas();
+        let mut hats = Vec::with_capacity(areas.len());
+        for faces in order.chunks(PIECE) {
+            stage.check()?;
+            hats.par_extend(faces.par_iter().map(|&face| {
+                let face = face as usize;
+                hat_gradients(mesh.edge_lengths(face), areas[face])
+            }));
+        }
+        let triangle = |face: &u32| corners(&mesh.triangles()[*face as usize]);
+        let triangles = stage.pass(|| parallel::map(&order, triangle))?;
+        let face_areas = stage.pass(|| parallel::map(&order, |face| areas[*face as usize]))?;
+        let count = mesh.vertex_count();
+        Ok(Self::of_functions(
+            hats,
+            triangles.into(),
+            face_areas.into(),
+            count,
+        ))
+    }
+
     /// That of other linear functions: N unknowns, three of them to each triangle, multiply functions whose
     /// gradients sum to 0; `hats` are those of the second and of the third.
     pub fn of_functions(
@@ -79,6 +116,11 @@ impl Gradient {
 
     /// Vertices of each face.
     pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The same, shared.
+    pub(crate) fn shared_triangles(&self) -> &Arc<[[u32; 3]]> {
         &self.triangles
     }
 

@@ -29,11 +29,16 @@ impl LaplacianPattern {
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn new(gradient: &Gradient, stage: Stage) -> Result<Self> {
-        let (column_starts, rows) = sorted_columns(gradient, stage)?;
-        Ok(Self {
-            graph: Arc::new(Graph::of_columns(&column_starts, &rows, stage)?),
+        let graph = graph_of(gradient.triangles(), gradient.vertex_count(), stage)?;
+        Ok(Self::of_graph(graph))
+    }
+
+    /// The pattern with this `graph`.
+    pub(crate) fn of_graph(graph: Graph) -> Self {
+        Self {
+            graph: Arc::new(graph),
             edge_entries: OnceLock::new(),
-        })
+        }
     }
 
     /// Number of entries.
@@ -140,13 +145,25 @@ pub fn element_stiffness(hats: &[FaceVector; 3], scale: f64) -> [f64; 3] {
     ]
 }
 
+/// The graph of so many vertices between which `triangles` have edges.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub(crate) fn graph_of(triangles: &[[u32; 3]], vertices: usize, stage: Stage) -> Result<Graph> {
+    let (column_starts, rows) = sorted_columns(triangles, vertices, stage)?;
+    Graph::of_columns(&column_starts, &rows, stage)
+}
+
 /// The lower triangle's row indices, sorted, column by column, the diagonal first, and where
 /// each column begins.
-fn sorted_columns(gradient: &Gradient, stage: Stage) -> Result<(Vec<u32>, Vec<u32>)> {
-    let size = gradient.vertex_count();
+fn sorted_columns(
+    triangles: &[[u32; 3]],
+    size: usize,
+    stage: Stage,
+) -> Result<(Vec<u32>, Vec<u32>)> {
     let edges = || {
         let sides = |&[i, j, k]: &[u32; 3]| [(i, j), (j, k), (k, i)];
-        gradient.triangles().iter().flat_map(sides)
+        triangles.iter().flat_map(sides)
     };
     // Room for each edge as often as it occurs, and for the diagonal.
     let mut counts = vec![1_u32; size];

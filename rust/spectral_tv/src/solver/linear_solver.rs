@@ -199,6 +199,12 @@ impl LinearSolver {
         self.factorize(stage)
     }
 
+    /// Frees what is kept of the matrix at hand in case it has to be factorized. Another has to be set before
+    /// the next solution.
+    pub fn forget_matrix(&mut self) {
+        self.couplings = Vec::new();
+    }
+
     /// Solves K x = b for every row b of `right_hand_sides` (C, V). An iteration starts from
     /// `guess`, if given, and ends once its error is `tolerance` times x in the energy norm; a
     /// factorization needs neither, and also takes over where an iteration does not converge.
@@ -208,14 +214,13 @@ impl LinearSolver {
     pub fn solve(
         &mut self,
         right_hand_sides: &Array2<f64>,
-        guess: Option<&Array2<f64>>,
+        guess: Option<Array2<f64>>,
         tolerance: f64,
         stage: Stage,
     ) -> Result<Array2<f64>> {
         if let Some(multigrid) = &mut self.multigrid
             && !matches!(self.factor, Factor::Ready(_))
         {
-            let guess = guess.map(|guess| guess.view());
             match multigrid.solve(right_hand_sides.view(), guess, tolerance, stage) {
                 Err(Error::Solver(_)) => {}
                 outcome => return outcome,

@@ -162,72 +162,71 @@ impl Multigrid {
     pub fn solve(
         &mut self,
         right_hand_sides: ArrayView2<f64>,
-        guess: Option<ArrayView2<f64>>,
+        mut guess: Option<Array2<f64>>,
         tolerance: f64,
         stage: Stage,
     ) -> Result<Array2<f64>> {
         let mut solutions = Array2::zeros(right_hand_sides.dim());
-        let mut guesses = guess
-            .iter()
-            .flat_map(|guess| guess.axis_chunks_iter(Axis(0), 4));
         for (block, rows) in right_hand_sides.axis_chunks_iter(Axis(0), 4).enumerate() {
             let first = 4 * block;
+            let is_last = first + rows.nrows() == right_hand_sides.nrows();
             let problem = Problem {
                 rows,
-                guess: guesses.next(),
+                guess: match is_last {
+                    true => Guess::Last(first, guess.take()),
+                    false => Guess::Rows(first, guess.as_ref()),
+                },
                 tolerance,
                 stage,
             };
             match rows.nrows() {
                 1 => {
                     let mut iteration = self.single.take();
-                    let outcome = self.run(&problem, &mut iteration, &mut solutions, first);
+                    let outcome = self.run(problem, &mut iteration, &mut solutions, first);
                     self.single = iteration;
                     outcome?;
                 }
                 _ => {
                     let mut iteration = self.quadruple.take();
-                    let outcome = self.run(&problem, &mut iteration, &mut solutions, first);
+                    let outcome = self.run(problem, &mut iteration, &mut solutions, first);
                     self.quadruple = iteration;
                     outcome?;
                 }
             }
-        }
-        if solutions.ncols() >= LARGE {
-            (self.single, self.quadruple) = (None, None);
         }
         Ok(solutions)
     }
 
     fn run<const L: usize>(
         &mut self,
-        problem: &Problem,
-        iteration: &mut Option<Iteration<L>>,
+        problem: Problem,
+        kept: &mut Option<Iteration<L>>,
         solutions: &mut Array2<f64>,
         first: usize,
     ) -> Result<()> {
-        let iteration = iteration.get_or_insert_with(|| Iteration::new(&self.hierarchy));
+        let iteration = kept.get_or_insert_with(|| Iteration::new(&self.hierarchy));
         // Single precision has no room for lengths of any unit.
         let largest = system::largest(problem.rows);
         if largest == 0.0 {
             return Ok(());
         }
         let factor = self.scale / largest;
-        let gather = |values, factor, lanes: &mut [_]| {
+        let gather = |values: ArrayView2<f64>, factor, lanes: &mut [_]| {
             system::gather(&self.ordering, values, factor, lanes);
         };
         gather(problem.rows, largest.recip(), &mut iteration.residual);
-        match problem.guess {
-            Some(guess) => gather(guess, factor, &mut iteration.solution),
-            None => iteration.solution.fill([0.0; L]),
-        }
+        let has_guess = problem
+            .guess
+            .with_rows(problem.rows.nrows(), |guess| match guess {
+                Some(guess) => gather(guess, factor, &mut iteration.solution),
+                None => iteration.solution.fill([0.0; L]),
+            });
         let (tolerance, stage) = (problem.tolerance, problem.stage);
         let is_fresh = self.age == 1 && self.coarse_levels.are_current();
         let most = match self.iterations_when_fresh {
             Some(fresh) if !is_fresh => (fresh + MOST_WASTED_ITERATIONS) as usize,
             _ => MOST_ITERATIONS,
         };
-        let has_guess = problem.guess.is_some();
         let mut report = iteration.run(&self.hierarchy, has_guess, tolerance, most, stage)?;
         if !report.has_converged && !is_fresh {
             // From where the iteration got to.
@@ -251,13 +250,14 @@ impl Multigrid {
             )));
         }
         self.judge(report);
-        system::scatter(
-            &self.ordering,
-            &iteration.solution,
-            factor,
-            solutions,
-            first,
-        );
+        let solution = std::mem::take(&mut iteration.solution);
+        if solutions.ncols() >= LARGE {
+            *kept = None;
+        }
+        system::scatter(&self.ordering, &solution, factor, solutions, first);
+        if let Some(iteration) = kept {
+            iteration.solution = solution;
+        }
         Ok(())
     }
 
@@ -302,7 +302,26 @@ impl Multigrid {
 /// What is asked of one block of channels.
 struct Problem<'a> {
     rows: ArrayView2<'a, f64>,
-    guess: Option<ArrayView2<'a, f64>>,
+    guess: Guess<'a>,
     tolerance: f64,
     stage: Stage<'a>,
+}
+
+/// What a block starts from, if anything: the rows of a guess for all channels from one on.
+enum Guess<'a> {
+    Rows(usize, Option<&'a Array2<f64>>),
+    /// Nobody needs it after this block: it is gone before the iteration begins.
+    Last(usize, Option<Array2<f64>>),
+}
+
+impl Guess<'_> {
+    /// Hands over the `count` rows, and returns whether there are any.
+    fn with_rows(self, count: usize, take: impl FnOnce(Option<ArrayView2<f64>>)) -> bool {
+        let (first, guess) = match &self {
+            Self::Rows(first, guess) => (*first, *guess),
+            Self::Last(first, guess) => (*first, guess.as_ref()),
+        };
+        take(guess.map(|guess| guess.slice_axis(Axis(0), (first..first + count).into())));
+        guess.is_some()
+    }
 }

@@ -14,7 +14,7 @@ use crate::solver::multigrid::ordering::Ordering;
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub(super) fn pattern(ordering: &Ordering, stage: Stage) -> Result<Matrix> {
-    let rows = (0..ordering.order.len()).map(|place| {
+    let rows = (0..ordering.size()).map(|place| {
         let mut row = Vec::new();
         ordering.sorted_row(place, &mut row);
         row.into_iter().map(|(other, _)| other)
@@ -44,7 +44,7 @@ pub(super) fn refresh(
             let mut sorted = Vec::new();
             for (offset, row_sum) in row_sums.iter_mut().enumerate() {
                 let row = first + offset;
-                *row_sum = (masses[ordering.order[row] as usize] / scale) as f32;
+                *row_sum = (masses[ordering.vertex_at(row)] / scale) as f32;
                 let octets = &mut octets[(starts[row] - starts[first]) as usize..];
                 ordering.sorted_row(row, &mut sorted);
                 for (octet, neighbours) in octets.iter_mut().zip(sorted.chunks(8)) {
@@ -67,14 +67,13 @@ pub(super) fn gather<const L: usize>(
 ) {
     let channels: Vec<_> = values.rows().into_iter().collect();
     let chunk = chunk_length(lanes.len());
-    let chunks = lanes
-        .par_chunks_mut(chunk)
-        .zip(ordering.order.par_chunks(chunk));
-    chunks.with_max_len(1).for_each(|(lanes, order)| {
-        for (lanes, &vertex) in lanes.iter_mut().zip(order) {
+    let chunks = lanes.par_chunks_mut(chunk).enumerate();
+    chunks.with_max_len(1).for_each(|(part, lanes)| {
+        for (place, lanes) in (part * chunk..).zip(lanes) {
+            let vertex = ordering.vertex_at(place);
             *lanes = [0.0; L];
             for (lane, channel) in lanes.iter_mut().zip(&channels) {
-                *lane = (factor * channel[vertex as usize]) as f32;
+                *lane = (factor * channel[vertex]) as f32;
             }
         }
     });
@@ -91,10 +90,9 @@ pub(super) fn scatter<const L: usize>(
     let (_, rows) = values.view_mut().split_at(Axis(0), first);
     let count = L.min(rows.nrows());
     let (mut rows, _) = rows.split_at(Axis(0), count);
-    parallel::columns_mut(&mut rows).for_each(|(vertex, mut rows)| {
-        let places = &ordering.places[vertex..];
-        for (mut column, &place) in rows.columns_mut().into_iter().zip(places) {
-            let lanes = &lanes[place as usize];
+    parallel::columns_mut(&mut rows).for_each(|(first, mut rows)| {
+        for (vertex, mut column) in (first..).zip(rows.columns_mut()) {
+            let lanes = &lanes[ordering.place_of(vertex)];
             for (value, lane) in column.iter_mut().zip(lanes) {
                 *value = f64::from(*lane) / factor;
             }

@@ -31,9 +31,8 @@ fn solved(
     let mut solver = Multigrid::analyse(graph_of(lower), monitor.whole()).unwrap();
     let values = (&*couplings_of(lower), 1.0);
     solver.set_matrix(masses, values, monitor.whole()).unwrap();
-    let guess = guess.map(|guess| guess.view());
     solver
-        .solve(right.view(), guess, 1e-6, monitor.whole())
+        .solve(right.view(), guess.cloned(), 1e-6, monitor.whole())
         .unwrap()
 }
 
