@@ -5,6 +5,7 @@ MESH ?=
 UP ?=
 AZIMUTH ?=
 FIGURES ?=
+LISTING ?=
 MESHES ?=
 BENCH ?=
 PLATFORMS ?=
@@ -28,7 +29,8 @@ PACKAGE_SOURCES := pyproject.toml LICENSE $(NOTICES) $(shell find python -name '
 ADDON_SOURCES := $(shell find addon -name '*.py' -o -name '*.toml')
 
 .PHONY: demo test test-rust test-package test-extension test-bpy test-window fuzz fuzz-library \
-  coverage deny notices lint extension docs bench bench-check pictures gallery release release-check reproducible clean
+  coverage deny notices lint extension docs bench bench-check pictures listing gallery release release-check \
+  reproducible clean
 
 demo: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo $(if $(MESH),"$(MESH)") $(if $(UP),--up $(UP)) \
@@ -74,12 +76,10 @@ coverage: $(EXTENSION_STAMP)
 deny: $(CARGO_TOOLS)/cargo-deny
 	$< --config rust/deny.toml check $(DENY)
 
-# The licences of these crates in one file, which wheels and zips take along: anew after a change of
-# Cargo.lock. Offline, so that the same crates give the same file.
-notices: $(CARGO_TOOLS)/cargo-about
-	cargo fetch --locked --quiet
-	$< generate --config rust/about.toml --manifest-path rust/python/Cargo.toml --locked --offline --fail \
-	  --output-file $(NOTICES) rust/about.hbs
+# The licences of all that is built in, in one file, which wheels and zips take along: anew after a change of
+# Cargo.lock, or of the compilers that build a release.
+notices: $(CARGO_TOOLS)/cargo-about $(VENV)/.installed
+	$(BIN)/python -m tools.release.notices $(NOTICES) $<
 
 lint: $(WHEEL_STAMP)
 	cargo fmt --all --check
@@ -131,6 +131,11 @@ pictures: $(EXTENSION_STAMP)
 	$(BIN)/python -m tools.demo.recipes .build/pictures/creature.blend docs/pictures/recipes.png
 	$(BIN)/python -m tools.gallery.pose_film docs/pictures/posing.webp
 	$(BIN)/python -m tools.gallery.film docs/pictures/film.webp
+
+# The icon and the pictures of the extension's page, in dist/listing; LISTING="icon --scale 0.3" makes one, or
+# smaller ones.
+listing: $(WHEEL_STAMP)
+	$(BIN)/python -m tools.listing $(LISTING)
 
 # Figures of the paper; FIGURES="clouds bands" makes some, MESHES=folder those of its meshes too.
 gallery: $(WHEEL_STAMP)

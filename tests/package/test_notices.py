@@ -1,4 +1,4 @@
-"""The licences of the crates that are built in go along, and belong to the crates of Cargo.lock."""
+"""The licences of what is built in go along: of the crates of Cargo.lock, of Rust, of runtimes."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from importlib.metadata import files
 from pathlib import Path
 
 import pytest
+import spectral_tv
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTICES = "THIRD_PARTY_LICENSES.txt"
@@ -50,7 +51,13 @@ def built_in() -> dict[tuple[str, str], str]:
 @cache
 def notices() -> list[tuple[set[tuple[str, str]], str]]:
     """Each text with the crates that it is for, its spaces made one."""
-    text = (ROOT / NOTICES).read_text(encoding="utf-8")
+    return blocks(0)
+
+
+@cache
+def blocks(part: int) -> list[tuple[set[tuple[str, str]], str]]:
+    """The same of a part: our crates, Rust's standard library, runtimes."""
+    text = (ROOT / NOTICES).read_text(encoding="utf-8").split("#" * 80)[part]
     found = []
     for block in text.split("=" * 80)[1:]:
         head, licence = block.split("-" * 80)
@@ -86,6 +93,40 @@ def test_crates_that_name_who_has_the_copyright_are_named_with_that():
                 assert any(own in text for text in texts_of(crate)), crate
                 compared += 1
     assert compared > 30
+
+
+def test_all_crates_of_which_the_built_module_has_code_are_named():
+    module = Path(spectral_tv._native.__file__).read_bytes()
+    found = {name.decode() for name in re.findall(rb"([a-z][\w-]*)-\d+\.\d+\.\d+/src/", module)}
+    assert {"rayon", "faer"} <= found
+    # Rust on this machine may have other versions of its own crates.
+    named = {name for part in (0, 1) for crates, _ in blocks(part) for name, _ in crates}
+    assert found <= named
+
+
+def test_rust_and_its_parts_have_their_notices():
+    names = {name for crates, _ in blocks(1) for name, _ in crates}
+    assert {"std", "core", "alloc", "compiler_builtins", "hashbrown", "gimli"} <= names
+    texts = " ".join(text for _, text in blocks(1))
+    assert "It is Copyright (c) The Rust Project Contributors" in texts
+    assert "Copyright: 1991-2024 Unicode, Inc" in texts
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "Copyright (c) Zig contributors",
+        "The LLVM Project is under the Apache License v2.0 with LLVM Exceptions",
+        "This file contains the copying permission notices for various files in the GNU C Library",
+        "musl as a whole is licensed under the following standard MIT license",
+        "This license has been certified as open source. It has also been designated as GPL",
+        "Upstream-Name: mingw-w64",
+        "GCC is free software; you can redistribute it and/or modify it under",
+        "GCC RUNTIME LIBRARY EXCEPTION Version 3.1, 31 March 2009",
+    ],
+)
+def test_runtimes_that_are_linked_have_their_notices(words):
+    assert any(words in text for _, text in blocks(2))
 
 
 def test_no_crate_is_named_that_is_not_locked():

@@ -134,14 +134,20 @@ def compose(
     return page
 
 
+def letters(size: float, weight: int) -> ImageFont.FreeTypeFont:
+    """Blender's own letters, so many pixels high."""
+    path = Path(bpy.utils.system_resource("DATAFILES", path="fonts")) / "Inter.woff2"
+    font = ImageFont.truetype(path, size)
+    font.set_variation_by_axes([OPTICAL_SIZE, weight])
+    return font
+
+
 def _typeset(layout: Layout) -> Image.Image:
     """The labels of a page as a mask, drawn larger and reduced to space the letters evenly."""
-    path = Path(bpy.utils.system_resource("DATAFILES", path="fonts")) / "Inter.woff2"
     mask = Image.new("L", (OVERSIZE * layout.width, OVERSIZE * layout.height))
     pen = ImageDraw.Draw(mask)
     for label in layout.labels:
-        font = ImageFont.truetype(path, OVERSIZE * label.size)
-        font.set_variation_by_axes([OPTICAL_SIZE, WEIGHT])
+        font = letters(OVERSIZE * label.size, WEIGHT)
         at, anchor = (OVERSIZE * label.x, OVERSIZE * label.y), "ms" if label.centred else "ls"
         # The font's common hyphen is as wide as a minus sign.
         pen.text(at, label.text.replace("-", "\N{HYPHEN}"), 255, font, anchor)

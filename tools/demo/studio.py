@@ -136,7 +136,7 @@ class Studio:
         eye = (low + high) / 2
         eye[2] = high[2] + self._distance
         self.scene.camera.location = self._turn @ Vector(eye)
-        return _render(self.scene)
+        return rendered(self.scene)
 
     def _extent(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner of the box around `vertices` in camera directions."""
@@ -201,7 +201,7 @@ def _set_up_output(scene: bpy.types.Scene, size: int, samples: int) -> None:
     scene.render.image_settings.color_mode = "RGBA"
 
 
-def _render(scene: bpy.types.Scene) -> Image.Image:
+def rendered(scene: bpy.types.Scene) -> Image.Image:
     """Render `scene` by way of a file, as Blender's own "Render Result" cannot be read."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "render.png"

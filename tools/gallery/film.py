@@ -15,9 +15,9 @@ import numpy as np
 import spectral_tv
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
-from ..demo.contact_sheet import INK, OPTICAL_SIZE, PAPER, RULE
+from ..demo.contact_sheet import INK, PAPER, RULE, letters
 from ..demo.studio import Studio, temporary_data
 from .limb_turns import LimbTurn, Part
 from .page import Shape
@@ -175,7 +175,10 @@ def _panel(frame: Frame) -> Image.Image:
     left, right = OVERSIZE * 22, OVERSIZE * (PANEL - 14)
     for number, act in enumerate(ACTS):
         is_now = number == frame.act
-        font, color = _font(15, BOLD if is_now else USUAL), INK if is_now else (160, 160, 160)
+        font, color = (
+            letters(OVERSIZE * 15, BOLD if is_now else USUAL),
+            INK if is_now else (160, 160, 160),
+        )
         pen.text((left, OVERSIZE * (96 + 26 * number)), act, color, font, "ls")
     pen.line([(left, OVERSIZE * 172), (right, OVERSIZE * 172)], RULE, OVERSIZE)
     for number, value in enumerate(frame.values):
@@ -190,18 +193,11 @@ def _panel(frame: Frame) -> Image.Image:
             bar = [min(zero, end), top, max(zero, end), bottom]
             pen.rounded_rectangle(bar, corner, MOVED if frame.is_moving else BAR)
         pen.line([(zero, top), (zero, bottom)], PAPER, OVERSIZE)
-        baseline, font = bottom - OVERSIZE * 7, _font(12, USUAL)
+        baseline, font = bottom - OVERSIZE * 7, letters(OVERSIZE * 12, USUAL)
         pen.text((left + OVERSIZE * 7, baseline), f"Band {number + 1}", INK, font, "ls")
         told = f"{value + 0.0:.2f}".replace("-0.00", "0.00").replace("-", "\N{MINUS SIGN}")
         pen.text((right - OVERSIZE * 7, baseline), told, INK, font, "rs")
     return page.reduce(OVERSIZE)
-
-
-def _font(size: int, weight: int) -> ImageFont.FreeTypeFont:
-    path = Path(bpy.utils.system_resource("DATAFILES", path="fonts")) / "Inter.woff2"
-    font = ImageFont.truetype(path, OVERSIZE * size)
-    font.set_variation_by_axes([OPTICAL_SIZE, weight])
-    return font
 
 
 if __name__ == "__main__":

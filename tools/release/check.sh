@@ -62,10 +62,12 @@ packages() {
   say "the page of the package"
   "$python" -m pip install --quiet --group release-check
   "$python" -m twine check --strict "$release"/*.whl "$release"/*.tar.gz
-  say "the licences of the crates"
+  say "the licences of what is built in"
   make deny DENY="licenses bans sources"
   make notices NOTICES=.build/release/notices.txt
-  cmp .build/release/notices.txt THIRD_PARTY_LICENSES.txt || fail "they are not those of Cargo.lock"
+  cmp .build/release/notices.txt THIRD_PARTY_LICENSES.txt || fail "they are not those of what is built in"
+  say "the recipe for conda-forge"
+  "$python" -m tools.release.conda "$release"/*.tar.gz .build/release/conda
   say "the crates"
   cargo publish --dry-run --locked --package spectral-tv-system --package spectral-tv
 }

@@ -1,0 +1,1 @@
+"""The icon and the pictures of the extension's page on extensions.blender.org."""
