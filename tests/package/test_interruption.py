@@ -23,8 +23,8 @@ def calls_of(arguments: list[object], files: set[str], moment: Call | None = Non
     def count(frame, event, _argument):
         code = frame.f_code
         if event == "call" and "spectral_tv" in code.co_filename:
-            if Path(code.co_filename).name not in files:
-                return
+            if Path(code.co_filename).name not in files or code.co_name == "<genexpr>":
+                return  # what is raised while one is closed is passed over
             call = code, counts[code]
             counts[code] += 1
             if call == moment:
