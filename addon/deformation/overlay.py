@@ -49,7 +49,7 @@ def start() -> None:
 
 def withdraw() -> None:
     """Draw no more."""
-    global _handle  # noqa: PLW0603
+    global _handle  # noqa: PLW0603 - there is one
     if _handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
     _handle = None

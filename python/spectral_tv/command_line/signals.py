@@ -82,6 +82,7 @@ def _holding(is_held: bool) -> Iterator[None]:
 
 
 def _let_go() -> None:
+    """Have what waits raise KeyboardInterrupt, unless it is held."""
     if _state.is_waiting and not _state.is_held:
         _state.is_waiting = False
         raise KeyboardInterrupt
@@ -95,6 +96,5 @@ def code() -> int:
 def _receive(number: int, _frame: FrameType | None) -> None:
     _state.received.append(number)
     if len(_state.received) == 1:
-        _state.is_waiting = _state.is_held
-        if not _state.is_held:
-            raise KeyboardInterrupt
+        _state.is_waiting = True
+        _let_go()
