@@ -229,6 +229,13 @@ def held(body):
 
 
 @pytest.fixture
+def no_images():
+    """The next test starts without images and materials."""
+    yield
+    bpy.data.batch_remove([*bpy.data.images, *bpy.data.materials])
+
+
+@pytest.fixture
 def choices():
     """The choices of the sidebar, which are as they were at first in the end."""
     found = bpy.context.scene.spectral_tv

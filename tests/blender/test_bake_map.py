@@ -30,11 +30,7 @@ from mathutils.interpolate import poly_3d_calc
 images = import_module(f"{MODULE}.maps.images")
 TURN = Euler((0.4, 1.1, -0.3)).to_matrix().to_4x4()
 
-
-@pytest.fixture(autouse=True)
-def _no_images():
-    yield
-    bpy.data.batch_remove([*bpy.data.images, *bpy.data.materials])
+pytestmark = pytest.mark.usefixtures("no_images")
 
 
 @pytest.fixture

@@ -14,11 +14,7 @@ from conftest import MODULE
 filter_image = bpy.ops.spectral_tv.filter_image
 SIDE = (36, 28)
 
-
-@pytest.fixture(autouse=True)
-def _no_images():
-    yield
-    bpy.data.batch_remove(bpy.data.images)
+pytestmark = pytest.mark.usefixtures("no_images")
 
 
 def stored(image: bpy.types.Image) -> np.ndarray:

@@ -13,11 +13,7 @@ HALVE = {"preset": "GAINS", "gains": "0.5 1", "bands": 2, "steps": 4}
 SPACES = bpy.types.ColorManagedInputColorspaceSettings.bl_rna.properties["name"].enum_items.keys()
 HALF_STEP = 0.501 / 65535
 
-
-@pytest.fixture(autouse=True)
-def _no_images():
-    yield
-    bpy.data.batch_remove(bpy.data.images)
+pytestmark = pytest.mark.usefixtures("no_images")
 
 
 def noise(side: int = 12) -> np.ndarray:

@@ -15,11 +15,7 @@ source_of = import_module(f"{MODULE}.images.results").source_of
 SMALL = {"bands": 2, "steps": 4}
 BANDS = {"result": "BANDS", "steps": 6}
 
-
-@pytest.fixture(autouse=True)
-def _no_images():
-    yield
-    bpy.data.batch_remove(bpy.data.images)
+pytestmark = pytest.mark.usefixtures("no_images")
 
 
 @pytest.fixture

@@ -11,11 +11,7 @@ filter_image = bpy.ops.spectral_tv.filter_image
 LOW_PASS = {"preset": "GAINS", "gains": "0 0 0", "bands": 3, "steps": 12, "largest": 40.0}
 SIDE = 40
 
-
-@pytest.fixture(autouse=True)
-def _no_images():
-    yield
-    bpy.data.batch_remove(bpy.data.images)
+pytestmark = pytest.mark.usefixtures("no_images")
 
 
 def cover(radius: float) -> np.ndarray:

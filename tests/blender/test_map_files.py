@@ -14,11 +14,7 @@ from map_scene import DISPLACEMENTS, bake, low_poly, refused, scan, sphere_with_
 
 files = import_module(f"{MODULE}.maps.files")
 
-
-@pytest.fixture(autouse=True)
-def _no_images():
-    yield
-    bpy.data.batch_remove([*bpy.data.images, *bpy.data.materials])
+pytestmark = pytest.mark.usefixtures("no_images")
 
 
 @pytest.fixture
