@@ -55,6 +55,7 @@ collect_ignore = OUTSIDE if IN_BLENDER else []
 
 import bpy  # noqa: E402
 from deform_scene import constrain, dumbbell_object, empty  # noqa: E402
+from map_scene import low_poly, scan  # noqa: E402
 
 
 def built_zip() -> Path:
@@ -226,6 +227,12 @@ def held(body):
     constrain(body, "Feet", "PIN")
     constrain(body, "Head", "OBJECT", target=empty((0, 0, 2)))
     return body
+
+
+@pytest.fixture
+def pair() -> tuple[bpy.types.Object, bpy.types.Object]:
+    """A scan with bands, and a low-poly mesh in its place."""
+    return scan(), low_poly()
 
 
 @pytest.fixture

@@ -33,11 +33,6 @@ TURN = Euler((0.4, 1.1, -0.3)).to_matrix().to_4x4()
 pytestmark = pytest.mark.usefixtures("no_images")
 
 
-@pytest.fixture
-def pair() -> tuple[bpy.types.Object, bpy.types.Object]:
-    return scan(), low_poly()
-
-
 # Onto a low-poly mesh.
 
 

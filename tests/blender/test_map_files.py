@@ -10,16 +10,11 @@ import numpy as np
 import pytest
 from conftest import MODULE
 from contents import contents
-from map_scene import DISPLACEMENTS, bake, low_poly, refused, scan, sphere_with_uvs, values_of
+from map_scene import DISPLACEMENTS, bake, refused, sphere_with_uvs, values_of
 
 files = import_module(f"{MODULE}.maps.files")
 
 pytestmark = pytest.mark.usefixtures("no_images")
-
-
-@pytest.fixture
-def pair() -> tuple[bpy.types.Object, bpy.types.Object]:
-    return scan(), low_poly()
 
 
 # UVs that are not what maps need.
