@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs the extension's tests in pip's bpy of other versions than the one developed with.
+# Runs the extension's tests in pip's bpy of other versions than the one developed with: all in the oldest
+# and in the newest, and the first case of each between them, unless EVERY_CASE is set.
 # PYTHON and PYTHON_3_13 name the interpreters, or command lines; the latter may be missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -23,13 +24,13 @@ install() {
   fi
 }
 
-# test_in PYTHON BPY_VERSION: what it prints goes to a file.
+# test_in PYTHON BPY_VERSION OPTION…: what it prints goes to a file.
 test_in() {
   # The tools take packages of the development's environment.
   # shellcheck disable=SC2086  # a command line
   PYTHONPATH=.build/bpy-$2 PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 $1 -s -c "$run_pytest" \
     -m "not executable and not once" --ignore tests/blender/test_bench_posing.py \
-    --ignore tests/blender/test_limb_turns.py tests/blender >".build/bpy-$2.txt" 2>&1
+    --ignore tests/blender/test_limb_turns.py "${@:3}" tests/blender >".build/bpy-$2.txt" 2>&1
 }
 
 python=${PYTHON:-python3.11}
@@ -41,7 +42,9 @@ trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
 declare -A runs
 test_in "$python" 4.2.23 &
 runs[4.2.23]=$!
-test_in "$python" 4.5.15 &
+one_case=(--one-case)
+[[ -z ${EVERY_CASE:-} ]] || one_case=()
+test_in "$python" 4.5.15 "${one_case[@]}" &
 runs[4.5.15]=$!
 # shellcheck disable=SC2086  # a command line
 if $newer --version >/dev/null 2>&1; then

@@ -93,8 +93,15 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "once: is long, of code of our own, and runs in one Blender")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--one-case", action="store_true", help="the first case of each test alone")
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("one_case"):
+        firsts = {item.nodeid.partition("[")[0]: item for item in reversed(items)}
+        items[:] = [item for item in items if firsts[item.nodeid.partition("[")[0]] is item]
     for item in items:
         if "blender" in getattr(item, "fixturenames", ()):
             item.add_marker("executable")

@@ -130,7 +130,7 @@ results() {
 # The zip for Linux in the real program, and in bpy of several versions.
 blender() {
   tools/blender_chroot.sh setup
-  export SPECTRAL_TV_ZIP
+  export SPECTRAL_TV_ZIP EVERY_CASE=1
   SPECTRAL_TV_ZIP=$(echo "$release"/*-linux_x64.zip)
   # All that lies beside bpy but the checkout's own package, which would be found before the zip's.
   local packages=$PWD/.build/release/bpy
