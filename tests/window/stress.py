@@ -350,4 +350,6 @@ def keys(obj: bpy.types.Object) -> list[str]:
 
 
 bpy.context.preferences.view.show_splash = False
+# It writes what Dyntopo holds into the mesh, at any moment.
+bpy.context.preferences.filepaths.use_auto_save_temporary_files = False
 run(stress())
