@@ -1,6 +1,5 @@
 """Things bound to a surface, which follow what displaces it."""
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -8,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_tv._frames import Links, turns, vertex_normals
-from spectral_tv._native import Mesh, MeshError, MeshWarning, Nearest
+from spectral_tv._native import Mesh, MeshError, Nearest
 from spectral_tv._results import Numbers, _Result
 
 #: How much of its height above the surface a point keeps at least.
@@ -49,9 +48,7 @@ class _Surface:
     def places(self, points: Numbers) -> tuple[NDArray[np.int64], Numbers, Numbers, Numbers]:
         """Of the nearest places the corners and their shares, (N, 3); heights of the points above
         them, (N,), below 0 inside; and unit normals, (N, 3)."""
-        with warnings.catch_warnings():  # that of the mesh itself was told
-            warnings.simplefilter("ignore", MeshWarning)
-            nearest = Nearest(Mesh(self.vertices, self.triangles))
+        nearest = Nearest.of(self.vertices, self.triangles)
         faces, weights, _ = nearest.find(points, np.zeros(points.shape), np.inf)
         corners = self.triangles[faces]
         normals = vertex_normals(self.vertices, self.triangles)

@@ -22,6 +22,9 @@ const LONG: Duration = Duration::from_millis(500);
 /// How often a waiting call looks for Ctrl-C and reports progress.
 const POLL: Duration = Duration::from_millis(30);
 
+/// How often to look whether another thread has made an object of a result.
+const BRIEFLY: Duration = Duration::from_millis(1);
+
 /// What a thread leaves when it is done; the outer error is a panic's message.
 type Outcome<T> = Result<spectral_tv::Result<T>, String>;
 
@@ -228,6 +231,8 @@ pub struct Job {
 enum State {
     Running,
     Finished(Convert),
+    /// A thread of this process is making an object of the result.
+    Taken(u32),
     Failed(PyErr),
     Delivered(Py<PyAny>),
 }
@@ -282,9 +287,27 @@ impl Job {
         Ok(true)
     }
 
-    /// Puts another state in place of the present one, which it returns.
-    fn exchange(&self, state: State) -> Result<State, Missing> {
-        Ok(mem::replace(&mut *self.lock()?, state))
+    /// The state of work that has ended, for one thread at a time, which puts another in its place.
+    fn take(&self, timeout: Duration) -> Result<Option<State>, Missing> {
+        if !self.collect(timeout)? {
+            return Ok(None);
+        }
+        let mut state = self.lock()?;
+        match *state {
+            State::Taken(process) if process != process::id() => Err(Missing(process)),
+            State::Taken(_) => {
+                drop(state);
+                thread::sleep(BRIEFLY);
+                Ok(None)
+            }
+            _ => Ok(Some(mem::replace(&mut *state, State::Taken(process::id())))),
+        }
+    }
+
+    /// Puts a state in place of the one that was taken.
+    fn put(&self, state: State) -> Result<(), Missing> {
+        *self.lock()? = state;
+        Ok(())
     }
 
     /// Not to be waited for with the GIL, which its holder may want.
@@ -342,25 +365,22 @@ impl Job {
         py: Python<'_>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> Result<Py<PyAny>, Failure> {
-        let state = loop {
-            let look = |timeout| Ok(self.collect(timeout)?.then_some(()));
-            self.task.poll(py, progress, look)?;
-            match py.detach(|| self.exchange(State::Running))? {
-                // Another thread is at it.
-                State::Running => {}
-                State::Finished(convert) => match convert(py) {
-                    Ok(object) => break State::Delivered(object),
-                    Err(error) => break State::Failed(error),
-                },
-                state => break state,
-            }
+        let taken = self.task.poll(py, progress, |timeout| self.take(timeout))?;
+        let state = match taken {
+            State::Finished(convert) => match convert(py) {
+                Ok(object) => State::Delivered(object),
+                Err(error) => State::Failed(error),
+            },
+            state => state,
         };
         let result = match &state {
             State::Delivered(object) => Ok(object.clone_ref(py)),
             State::Failed(error) => Err(error.clone_ref(py)),
-            State::Running | State::Finished(_) => unreachable!("left the loop"),
+            State::Running | State::Finished(_) | State::Taken(_) => {
+                unreachable!("not to be taken")
+            }
         };
-        py.detach(|| self.exchange(state))?;
+        py.detach(|| self.put(state))?;
         let result = result?;
         tell(progress, 1.0)?;
         Ok(result)

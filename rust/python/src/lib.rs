@@ -40,7 +40,9 @@ use spectral_tv_system::{Heap, keep_a_little};
 static HEAP: Heap = Heap;
 
 /// Native part of the package `spectral_tv`.
-#[pymodule]
+///
+/// Objects are frozen, and what changes in them is behind locks of their own: no GIL is needed.
+#[pymodule(gil_used = false)]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     keep_a_little();
     warm_up();

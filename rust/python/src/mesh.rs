@@ -292,7 +292,7 @@ fn read_weld_map(map: &[i64]) -> Result<Vec<Option<u32>>, Failure> {
 }
 
 /// Claims what making a mesh takes, and welding it with a length above 0.
-fn claim(
+pub fn claim(
     stage: Stage,
     vertices: usize,
     triangles: usize,

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use spectral_tv::mesh::TriangleMesh;
 use spectral_tv::nearest;
 
 use crate::arrays;
 use crate::error::{Failure, MeshError};
 use crate::job::guarded;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, claim};
 use crate::parameters;
 
 /// Faces (N,), −1 where there is none; the shares of their corners (N, 3); and distances (N,).
@@ -31,6 +32,23 @@ impl Nearest {
     fn new(py: Python<'_>, mesh: &Mesh) -> Result<Self, Failure> {
         let mesh = Arc::clone(&mesh.inner);
         let inner = guarded(py, |stage| nearest::Nearest::new_with(&mesh, stage))?;
+        Ok(Self { inner })
+    }
+
+    /// The surface of vertices and triangles, of which no warning tells what is doubtful.
+    #[staticmethod]
+    fn of(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+    ) -> Result<Self, Failure> {
+        let vertices = arrays::positions("vertices", vertices)?;
+        let triangles = arrays::index_triples("triangles", triangles)?;
+        let inner = guarded(py, |stage| {
+            claim(stage, vertices.len(), triangles.len(), None)?;
+            let mesh = Arc::new(TriangleMesh::new(vertices, &triangles)?);
+            nearest::Nearest::new_with(&mesh, stage)
+        })?;
         Ok(Self { inner })
     }
 
