@@ -4,14 +4,16 @@
 # a chroot of their own, .build/release/toolchain or TOOLCHAIN_CHROOT, and so is Blender, which builds
 # the zips.
 #
-#   build.sh [PLATFORM…]   of linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64
+#   build.sh [PLATFORM…]   of linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64,
+#                          which Blender has, and linux-x64-3.14t linux-x64-musl linux-arm64-musl
 #
 # The same commit and compilers give the same files; BUILT-WITH.txt names them.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 platforms=("$@")
-(($#)) || platforms=(linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64)
+(($#)) || platforms=(linux-x64 linux-arm64 windows-x64 windows-arm64 macos-arm64 macos-x64
+  linux-x64-3.14t linux-x64-musl linux-arm64-musl)
 chroot=${TOOLCHAIN_CHROOT:-$PWD/.build/release/toolchain}
 source=$PWD/.build/release/source
 output=$PWD/dist/release
@@ -44,7 +46,9 @@ for made in sdist "${platforms[@]}"; do
   in_chroot /spectral_tv/tools/release/wheel.sh "$made"
   mv "$source"/dist/* "$output"
 done
-python3 "$source/tools/extension.py" --split --blender "$PWD/tools/blender" --output "$output" \
-  "$output"/*.whl
+shopt -s nullglob
+zipped=("$output"/*-abi3-{manylinux,win,macosx}*.whl)
+((!${#zipped[@]})) || python3 "$source/tools/extension.py" --split --blender "$PWD/tools/blender" \
+  --output "$output" "${zipped[@]}"
 cd "$output"
 sha256sum -- *.tar.gz *.whl *.zip | tee SHA256SUMS

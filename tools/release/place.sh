@@ -4,8 +4,9 @@
 #   place.sh setup PLACE WHEEL   unpack that Python, and install the wheel and what tests need
 #   place.sh run PLACE …         run it with these arguments
 #
-# PLACE is linux-x64 (the checkout's own Python), linux-arm64 (Debian's, under qemu), windows-x64 or
-# windows-x64-3.13 (python.org's, under Wine). They are in .build/release/places.
+# PLACE is linux-x64 (the checkout's own Python), linux-x64-3.14t or linux-x64-musl (compiled by
+# python.sh), linux-arm64 (Debian's, under qemu), windows-x64 or windows-x64-3.13 (python.org's, under
+# Wine). They are in .build/release/places.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -27,6 +28,24 @@ install() {
   rm -rf "$packages"
   .venv/bin/python -m pip install --quiet --no-warn-conflicts --target "$packages" \
     --only-binary :all: "${options[@]}" "$wheel" pytest "$@"
+  echo "$wanted" >"$packages/.wanted"
+}
+
+# offer WHEEL OPTION… -- REQUIREMENT…: the same by the place's own pip, which judges itself what suits
+# it. It has no network.
+offer() {
+  local wheel=$1 options=() offered=$directory/offered
+  shift
+  while [[ $1 != -- ]]; do options+=("$1") && shift; done
+  shift
+  local wanted
+  wanted="$(sha256sum <"$wheel") $*"
+  [[ -f $packages/.wanted && $(<"$packages/.wanted") == "$wanted" ]] && return
+  rm -rf "$packages" "$offered"
+  .venv/bin/python -m pip download --quiet --dest "$offered" --only-binary :all: "${options[@]}" \
+    pytest "$@"
+  PIP_FIND_LINKS="" PIP_ROOT_USER_ACTION=ignore run -m pip install --quiet --no-index \
+    --find-links "$offered" --target "$packages" "$wheel" pytest "$@"
   echo "$wanted" >"$packages/.wanted"
 }
 
@@ -66,6 +85,16 @@ setup() {
   mkdir -p "$directory"
   case $place in
     linux-x64) install "$wheel" 3.11 "${linux[@]/%/_x86_64}" -- numpy==1.26.4 "scipy<1.17" ;;
+    linux-x64-3.14t)
+      tools/release/python.sh setup 3.14t
+      local platforms=("${linux[@]/#/--platform=}")
+      platforms=("${platforms[@]/%/_x86_64}")
+      offer "$wheel" --python-version 3.14 --abi cp314t "${platforms[@]}" -- numpy scipy
+      ;;
+    linux-x64-musl)
+      tools/release/python.sh setup musl
+      offer "$wheel" --python-version 3.13 --platform musllinux_1_2_x86_64 -- numpy scipy
+      ;;
     linux-arm64)
       tools/chroot.sh setup "$chroot" trixie wine wine64 qemu-user ca-certificates
       unpack_arm64
@@ -94,6 +123,7 @@ run() {
   export PYTHONNOUSERSITE=1
   case $place in
     linux-x64) .venv/bin/python "$@" ;;
+    linux-x64-*) tools/release/python.sh run "${place#linux-x64-}" "$@" ;;
     linux-arm64) PYTHONHOME=$directory/system/usr in_chroot "$directory/python" "$@" ;;
     windows-x64*)
       export WINEPREFIX=$PWD/.build/release/places/wine WINEDEBUG=-all WINEDLLOVERRIDES="mscoree,mshtml,winedbg.exe="

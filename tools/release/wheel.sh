@@ -19,7 +19,7 @@ unset RUSTUP_TOOLCHAIN RUSTFLAGS RUSTC_BOOTSTRAP
 build() {
   # Directories apart: what runs while building is compiled anew wherever RUSTC_BOOTSTRAP changes.
   export CARGO_TARGET_DIR=${BUILD_CACHE:-/var/cache}/target${RUSTC_BOOTSTRAP:+-with-std}
-  maturin build --release --locked --interpreter python3.11 --out dist --target "$@"
+  maturin build --release --locked --interpreter "${INTERPRETER:-python3.11}" --out dist --target "$@"
 }
 
 linux() { build "$1" --zig --compatibility manylinux_2_28; }
@@ -29,6 +29,8 @@ build_with_std() {
   export RUSTC_BOOTSTRAP=1
   build "$@" -Z "build-std=std,panic_unwind"
 }
+
+musl() { build_with_std "$1" --zig --compatibility musllinux_1_2; }
 
 mac() {
   export MACOSX_DEPLOYMENT_TARGET=11.0 # as old as NumPy's wheels
@@ -42,6 +44,10 @@ rm -rf dist
 case $1 in
   linux-x64) linux x86_64-unknown-linux-gnu ;;
   linux-arm64) linux aarch64-unknown-linux-gnu ;;
+  # What a Python without a GIL loads has no stable ABI before 3.15; PyO3 then leaves abi3 off.
+  linux-x64-3.14t) INTERPRETER=python3.14t linux x86_64-unknown-linux-gnu ;;
+  linux-x64-musl) musl x86_64-unknown-linux-musl ;;
+  linux-arm64-musl) musl aarch64-unknown-linux-musl ;;
   windows-x64) build_with_std x86_64-pc-windows-gnu ;;
   windows-arm64)
     export RUSTC_WRAPPER=$PWD/tools/release/exports.sh
