@@ -12,9 +12,9 @@ from spectral_tv._native import Job
 from spectral_tv._options import DEFAULTS
 
 # Of docstrings.
-WIDTH, MARGIN = 100, " " * 8
+WIDTH, MARGIN = 96, " " * 4
 # A line that stands for the entry of a parameter.
-PLACE = re.compile(r"^    \{(\w+)\}$", re.MULTILINE)
+PLACE = re.compile(r"^\{(\w+)\}$", re.MULTILINE)
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -95,7 +95,8 @@ def _documentation(function: Callable[..., Any]) -> str:
             return documented(get_type_hints(options, include_extras=True))
         return documented({name: parameters[name].annotation})
 
-    return PLACE.sub(entries, function.__doc__ or "")
+    # Pythons from 3.13 on have taken the indentation away.
+    return PLACE.sub(entries, inspect.cleandoc(function.__doc__ or ""))
 
 
 def _tell(function: Any, shown: inspect.Signature, text: str) -> None:
@@ -130,7 +131,7 @@ def _entry(name: str, hint: Any) -> list[str]:
         textwrap.fill(each, WIDTH, initial_indent=MARGIN, subsequent_indent=MARGIN)
         for each in texts
     )
-    return [f"    {name} : {kind}{', optional' if is_optional else ''}", *filled]
+    return [f"{name} : {kind}{', optional' if is_optional else ''}", *filled]
 
 
 def _members(annotation: Any) -> tuple[list[Any], bool]:

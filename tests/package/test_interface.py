@@ -113,7 +113,7 @@ def test_signatures_spell_out_options_with_the_defaults_of_the_library():
     parameters = inspect.signature(spectral_tv.decompose).parameters
     for name, default in spectral_tv.DEFAULTS.items():
         assert parameters[name].default == default, name
-        assert name == "method" or f"    {name} : " in spectral_tv.decompose.__doc__
+        assert name == "method" or f"\n{name} : " in spectral_tv.decompose.__doc__
     stepped = inspect.signature(spectral_tv.flow).parameters
     assert [*stepped][-3:] == ["scheme", "tolerance", "solver"]
     with pytest.raises(TypeError, match="unexpected keyword argument 'stepz'"):
