@@ -2,8 +2,8 @@
 
     blender --background --python-exit-code 7 --python run_inside.py -- PACKAGES
 
-PACKAGES is a directory with pytest, which Blender has not. With EVERY_CASE in the environment all cases of
-each test run, else the first.
+PACKAGES is a directory with pytest, which Blender has not. With EVERY_CASE in the environment all
+cases of each test run, else the first.
 """
 
 import os
