@@ -22,6 +22,7 @@ def everything() -> dict[str, str]:
     bodies = np.where(vertices[ends, 2] > 0, 0, -1)
     poser = spectral_tv.Poser(mesh, ends, bodies=bodies)
     upper = vertices[:, 2] > 0.3
+    soup = vertices[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
     found: dict[str, object] = {
         "areas": mesh.vertex_areas,
         "open edges": mesh.findings.open_edges,
@@ -52,6 +53,12 @@ def everything() -> dict[str, str]:
         "safe": spectral_tv.safe_displacement(mesh, 2 * vertices[:, [1, 0, 2]]).displacement,
         "crossing": spectral_tv.self_intersections(mesh, vertices[:, [1, 0, 2]]),
         "bytes": spectral_tv.estimate(mesh).bytes,
+        "mesh": spectral_tv.Mesh(vertices, triangles),
+        "welded": spectral_tv.Mesh(*soup, weld=0.0),
+        "decomposition": split,
+        "deformer": deformer,
+        "poser": poser,
+        "again": pickle.loads(pickle.dumps(split)).residual,
         "job": spectral_tv.start_decompose(mesh, "heat", steps=5).result().residual,
     }
     for method in ("m1", "m2", "m3", "lb", "displacement"):

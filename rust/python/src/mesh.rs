@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use spectral_tv::Named;
 use spectral_tv::memory::needs;
-use spectral_tv::mesh::{self, Broken, Repair, TriangleMesh};
+use spectral_tv::mesh::{self, Broken, Findings, Repair, TriangleMesh};
 use spectral_tv::monitor::Stage;
 
 use crate::arrays;
@@ -75,14 +75,16 @@ impl Mesh {
         };
         let vertices = arrays::positions("vertices", vertices)?;
         let triangles = arrays::index_triples("triangles", triangles)?;
-        let (mesh, doubts) = guarded(py, |stage| {
+        let (mesh, dropped, doubts) = guarded(py, |stage| {
             claim(stage, vertices.len(), triangles.len(), repair.weld)?;
             let mesh = TriangleMesh::repaired(vertices, &triangles, &repair)?;
+            let has_dropped = matches!(mesh.weld_map(), Some(map) if map.contains(&None));
+            let dropped = has_dropped.then(|| mesh.findings().dropped());
             let doubts = mesh.doubts(repair.weld);
-            Ok((mesh, doubts))
+            Ok((mesh, dropped, doubts))
         })?;
-        if matches!(mesh.weld_map(), Some(map) if map.contains(&None)) {
-            warn(py, &mesh.findings().dropped())?;
+        if let Some(dropped) = dropped {
+            warn(py, &dropped)?;
         }
         for doubt in doubts {
             warn(py, &with_keyword(&doubt.to_string()))?;
@@ -177,11 +179,7 @@ impl Mesh {
     /// What was found in the mesh, and done about it.
     #[getter]
     fn findings<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
-        let found = guarded(py, |stage| {
-            let triangles = self.inner.triangles().len();
-            claim(stage, self.inner.vertex_count(), triangles, None)?;
-            Ok(*self.inner.findings())
-        })?;
+        let found = self.found(py)?;
         let mut fields = Fields::new(py);
         for (name, count) in found.counts() {
             fields = fields.with(name, count)?;
@@ -227,6 +225,17 @@ impl Mesh {
     }
 }
 
+impl Mesh {
+    /// What was found in the mesh, which is looked for when it is first asked for.
+    fn found(&self, py: Python<'_>) -> Result<Findings, Failure> {
+        guarded(py, |stage| {
+            let triangles = self.inner.triangles().len();
+            claim(stage, self.inner.vertex_count(), triangles, None)?;
+            Ok(*self.inner.findings())
+        })
+    }
+}
+
 impl Pickled for Mesh {
     const NAME: &'static str = "Mesh";
 
@@ -238,12 +247,15 @@ impl Pickled for Mesh {
         parts.value("triangles", triangles)?;
         // Where nothing was done, there is nothing to keep of it.
         let is_as_it_was = self.inner.weld_map().is_none();
-        parts.value(
-            "weld_map",
-            (!is_as_it_was).then(|| self.weld_map(py)).transpose()?,
-        )?;
-        let counts: BTreeMap<_, _> = self.inner.findings().counts().into();
-        parts.value("findings", (!is_as_it_was).then_some(counts))?;
+        let (map, counts) = match is_as_it_was {
+            true => (None, None),
+            false => {
+                let counts: BTreeMap<_, _> = self.found(py)?.counts().into();
+                (Some(self.weld_map(py)?), Some(counts))
+            }
+        };
+        parts.value("weld_map", map)?;
+        parts.value("findings", counts)?;
         let thickness = self.inner.known_thickness();
         let array = |radii| arrays::array_of(py, radii);
         parts.value("thickness", thickness.map(array).transpose()?)
