@@ -179,6 +179,17 @@ def test_shared_mesh_changes_for_every_user(monkey):
     assert len(twin.data.shape_keys.key_blocks) == 3
 
 
+def test_vertex_group_limits_the_bands(monkey):
+    monkey.vertex_groups.new(name="Face").add(range(50), 1.0, "REPLACE")
+    bpy.ops.spectral_tv.decompose(bands=2, steps=8, vertex_group="Face")
+    keys = monkey.data.shape_keys.key_blocks[1:]
+    assert all(key.vertex_group == "Face" for key in keys)
+    bpy.ops.spectral_tv.cut(bands=3)
+    assert all(key.vertex_group == "Face" for key in monkey.data.shape_keys.key_blocks[1:])
+    with pytest.raises(RuntimeError, match="no vertex group 'Feet'"):
+        bpy.ops.spectral_tv.decompose(vertex_group="Feet")
+
+
 def refused(message, **arguments):
     count = len(bpy.data.shape_keys)
     with pytest.raises(RuntimeError, match=message):

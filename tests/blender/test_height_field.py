@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import spectral_tv
 from ball import object_of
+from banded_monkey import shape
 from command_line_files import load, run
 from shapes import grid
 
@@ -54,6 +55,27 @@ def test_the_metrics_differ_where_it_is_steep(relief):
         bpy.ops.spectral_tv.decompose(method="M3", base="FLAT", metric=metric, **CHOICES)
         found[metric] = bands(relief)[..., 2].sum(axis=0)
     assert np.abs(found["SURFACE"] - found["BASE"]).max() > 0.01
+
+
+def test_bases_of_m3():
+    """A relief over its flattened self moves along Z alone; a shape key serves as well."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=40, y_subdivisions=40)
+    obj = bpy.context.object
+    for vertex in obj.data.vertices:
+        vertex.co.z = 0.2 * np.sin(6 * vertex.co.x) * np.cos(5 * vertex.co.y)
+    bpy.ops.spectral_tv.decompose(method="M3", bands=3, steps=8, base="FLAT")
+    keys = obj.data.shape_keys.key_blocks
+    moves = (shape(keys["Edge-Keeping Detail Band 3"]) - shape(keys["Basis"])).reshape(-1, 3)
+    assert np.abs(moves[:, :2]).max() < 1e-6 < np.abs(moves[:, 2]).max()
+
+    flat = obj.shape_key_add(name="Flat", from_mix=False)
+    for point in flat.data:
+        point.co.z = -0.2
+    bpy.ops.spectral_tv.decompose(method="M3", bands=3, steps=8, base="KEY", base_key="Flat")
+    again = (shape(keys["Edge-Keeping Detail Band 3"]) - shape(keys["Basis"])).reshape(-1, 3)
+    np.testing.assert_allclose(again, moves, atol=1e-4)
+    with pytest.raises(RuntimeError, match="no shape key 'Nothing'"):
+        bpy.ops.spectral_tv.decompose(method="M3", base="KEY", base_key="Nothing")
 
 
 def test_the_command_line_takes_the_metric(relief, tmp_path):
