@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the extension's tests in pip's bpy of other versions than the one developed with: all in the oldest
-# and in the newest, and the first case of each between them, unless EVERY_CASE is set.
+# Runs the extension's tests in pip's bpy of other versions than the one developed with: all in the oldest,
+# and the first case of each in the others, unless EVERY_CASE is set.
 # PYTHON and PYTHON_3_13 name the interpreters, or command lines; the latter may be missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -40,16 +40,16 @@ install 3.11 4.5.15
 # With no job left, kill fails, and that would be this script's exit code.
 trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
 declare -A runs
-test_in "$python" 4.2.23 &
-runs[4.2.23]=$!
 one_case=(--one-case)
 [[ -z ${EVERY_CASE:-} ]] || one_case=()
+test_in "$python" 4.2.23 &
+runs[4.2.23]=$!
 test_in "$python" 4.5.15 "${one_case[@]}" &
 runs[4.5.15]=$!
 # shellcheck disable=SC2086  # a command line
 if $newer --version >/dev/null 2>&1; then
   install 3.13 5.2.3
-  test_in "$newer" 5.2.3 &
+  test_in "$newer" 5.2.3 "${one_case[@]}" &
   runs[5.2.3]=$!
 else
   echo "bpy 5.2 is skipped: there is no python3.13, and PYTHON_3_13 names none"

@@ -16,7 +16,7 @@ trap 'rm -rf "$BLENDER_USER_RESOURCES"' EXIT
 # SCRIPT WIDTH HEIGHT: the window fills the screen, as events have the screen's coordinates.
 have_session() {
   LIBGL_ALWAYS_SOFTWARE=1 xvfb-run --auto-servernum --server-args "-screen 0 $2x$3x24" \
-    timeout 1500 $blender --window-geometry 0 0 "$2" "$3" --python-exit-code 1 \
+    timeout 2100 $blender --window-geometry 0 0 "$2" "$3" --python-exit-code 1 \
     --python "tests/window/$1.py"
   # Blender exits with 0 also when it is closed before the end.
   [[ -f $PICTURES/$1.passed ]]
