@@ -100,8 +100,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.getoption("one_case"):
-        firsts = {item.nodeid.partition("[")[0]: item for item in reversed(items)}
-        items[:] = [item for item in items if firsts[item.nodeid.partition("[")[0]] is item]
+        firsts: dict[str, pytest.Item] = {}
+        for item in items:
+            firsts.setdefault(item.nodeid.partition("[")[0], item)
+        items[:] = firsts.values()
     for item in items:
         if "blender" in getattr(item, "fixturenames", ()):
             item.add_marker("executable")

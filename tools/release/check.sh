@@ -100,10 +100,9 @@ flaws() {
   "$python" -m pip_audit --strict "$PWD"
 }
 
-# The package's tests on every platform that is here or can be emulated; what a place has no library for
-# is skipped, and told. Of the mathematics there is what compares
-# it with the reference on arm64, as qemu is slow, and nothing that judges by the clock or by memory; and
-# nothing in Windows' Python 3.13, as it has no SciPy here.
+# The package's tests on every platform that is here or can be emulated. What a place has no library for is
+# skipped, and told. On arm64 of the mathematics only what compares with the reference is run, as qemu is slow,
+# and nothing that judges by the clock or by memory. In Windows' Python 3.13 none of it is, as it has no SciPy.
 tests() {
   for wheel in "$release"/*.whl; do
     for name in $(places "$wheel"); do
