@@ -17,6 +17,7 @@ from spectral_tv.refusal import Refusal
 from ..scene import lengths, mix, results
 from ..scene.applied import SELECTED
 from ..scene.contents import topology_digest
+from ..scene.modes import show_vertices
 from ..scene.records import all_bands_of, bands_of, record_of
 from ..scene.surface import Surface
 
@@ -163,7 +164,7 @@ def _edge(mesh: spectral_tv.Mesh) -> float:
 
 def _select(mesh: bpy.types.Mesh, chosen: np.ndarray) -> None:
     """Have vertices (V,) be selected, and no others, once Edit Mode begins."""
-    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+    show_vertices()
     for name in SELECTED:
         # The fields of vertices and edges would do, but Blender 5.0 ends at those of edges that the
         # evaluated mesh shares.

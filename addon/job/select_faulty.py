@@ -4,6 +4,7 @@ import bmesh
 import bpy
 from spectral_tv.refusal import Refusal
 
+from ..scene.modes import show_vertices
 from . import faults
 from .operator import ChangeOperator
 
@@ -26,7 +27,7 @@ class SPECTRAL_TV_OT_select_faulty(ChangeOperator, bpy.types.Operator):
         fault = faults.of(obj)
         if fault is None:
             raise Refusal("its vertices changed since; run it again")
-        context.tool_settings.mesh_select_mode = (True, False, False)
+        show_vertices()
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
         edited = bmesh.from_edit_mesh(obj.data)

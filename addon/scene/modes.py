@@ -1,4 +1,4 @@
-"""The modes of objects: entered, left for a while."""
+"""The modes of objects: entered, left for a while; what Edit Mode shows."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,6 +30,13 @@ def out_of_edit_mode(obj: bpy.types.Object) -> Iterator[None]:
         yield
     finally:
         set_mode(obj, "EDIT")
+
+
+def show_vertices() -> None:
+    """Have Edit Mode show and select vertices, and no edges or faces for themselves."""
+    # By the scene: up to Blender 4.3 the context's tool settings leave the scene in the context.
+    # When that scene is gone, Blender's exporter of glTF crashes.
+    bpy.context.scene.tool_settings.mesh_select_mode = (True, False, False)
 
 
 def _label(mode: str) -> str:

@@ -213,6 +213,17 @@ def _empty_scene():
     bpy.data.batch_remove([*bpy.data.objects, *bpy.data.meshes, *bpy.data.curves])
 
 
+@pytest.fixture(autouse=True)
+def _context_holds_no_scene():
+    """Up to Blender 4.3 reading `bpy.context.tool_settings` leaves the scene in `bpy.context`.
+
+    Once another file is loaded, Blender's exporter of glTF may crash of that.
+    """
+    yield
+    window = bpy.context.window
+    assert window is None or not isinstance(window.id_data, bpy.types.Scene)
+
+
 @pytest.fixture
 def monkey():
     """Suzanne, subdivided: quads and triangles, three components, open borders."""
