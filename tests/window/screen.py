@@ -24,6 +24,9 @@ Steps = Generator[float, None, T]
 PICTURES = Path(os.environ["PICTURES"])
 PATIENCE = 60  # seconds until what is waited for counts as missing
 
+# Where each text was found last, by its column.
+_places: dict[tuple[str, float], int] = {}
+
 
 def run(steps: Iterator[float]) -> None:
     """Run the steps to their end in the open window; Blender exits with 1 if one fails."""
@@ -109,7 +112,9 @@ def find(text: str, column: float = 0.5) -> Steps[tuple[int, int]]:
     for _attempt in range(3):  # the window may be slow to draw
         place = yield from _look_for(text, column, seen)
         if place is not None:
-            return place[0], (yield from _middle(text, *place))
+            x, y = place[0], (yield from _middle(text, *place))
+            _places[text, column] = y
+            return x, y
     raise AssertionError(f"the sidebar has no {text}, but {sorted(seen)}")
 
 
@@ -122,7 +127,9 @@ def _look_for(text: str, column: float, seen: set[str]) -> Steps[tuple[int, int]
     """A place within what has the ``text``, if there is one; what else is ``seen`` on the way."""
     sidebar = region("UI")
     x = sidebar.x + int(column * sidebar.width)
-    for y in range(sidebar.y + sidebar.height - 4, sidebar.y, -12):
+    former = _places.get((text, column))  # most have not moved since
+    heights = range(sidebar.y + sidebar.height - 4, sidebar.y, -12)
+    for y in heights if former is None else (former, *heights):
         xdotool("mousemove", x, _window().height - y)
         yield 0.05
         if text in _under_mouse(sidebar):
