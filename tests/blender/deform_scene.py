@@ -94,3 +94,13 @@ def update(live) -> bool:
         time.sleep(0.001)
         is_changed = live.update() or is_changed
     return is_changed
+
+
+def follows(live, patience: float = 60) -> bool:
+    """Have it look until the shape changed, as at weights and vertices it looks now and then."""
+    ends = time.monotonic() + patience
+    while not update(live):
+        if time.monotonic() > ends:
+            return False
+        time.sleep(0.001)
+    return True

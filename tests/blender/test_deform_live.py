@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import bpy
 import numpy as np
 import pytest
@@ -11,6 +9,7 @@ from deform_scene import (
     constrain,
     empty,
     evaluated,
+    follows,
     group,
     handle,
     key_positions,
@@ -20,8 +19,6 @@ from deform_scene import (
 )
 from mathutils import Vector
 from spectral_tv.refusal import Refusal
-
-LOOK = 0.3  # seconds after which weights have been looked at again
 
 
 @pytest.fixture
@@ -119,8 +116,7 @@ def test_weights_that_are_painted_act(limbs):
     np.testing.assert_allclose(offset(limbs, "Head"), (0, 0.5, 0), atol=1e-5)
     indices = [int(index) for index in members(limbs, "Head")]
     limbs.vertex_groups["Head"].add(indices, 0.01, "REPLACE")
-    time.sleep(LOOK)
-    assert update(live)
+    assert follows(live)
     live.settle()
     moved = (key_positions(limbs) - key_positions(limbs, "Basis"))[members(limbs, "Head"), 1]
     assert moved.min() < 0.45
@@ -158,8 +154,7 @@ def test_a_shape_that_is_sculpted_is_read_anew(held):
     basis = held.data.shape_keys.reference_key
     for point in basis.data:
         point.co.z *= 2
-    time.sleep(LOOK)
-    assert update(live)
+    assert follows(live)
     np.testing.assert_allclose(offset(held, "Head"), (0, 0.5, 0), atol=1e-5)
 
 
@@ -200,8 +195,7 @@ def test_it_waits_while_something_is_wrong_and_tells_what(limbs):
     assert_waits("Blender does not move what is hidden, 'Handle.001'; show it")
     target.hide_viewport = False
     bpy.context.view_layer.update()
-    time.sleep(LOOK)
-    assert update(live)
+    assert follows(live)
     assert live.problem == ""
     target.hide_set(True)  # by the eye: Blender moves it
     target.location.x += 0.1
