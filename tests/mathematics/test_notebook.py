@@ -6,6 +6,7 @@ import json
 import re
 from pathlib import Path
 
+import IPython.display  # noqa: F401  # tools/release/lacking.py then tells that it is not there
 import pytest
 from own_process import output
 

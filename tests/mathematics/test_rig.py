@@ -88,7 +88,7 @@ def test_a_neck_that_bends_along_all_of_its_length_parts_its_ends(straight):
     assert len(rig.parents) == 2
     assert rig.labels[pinned[0]] != rig.labels[pulled[0]]
     size = np.linalg.norm(np.ptp(straight.vertices, axis=0))
-    np.testing.assert_allclose(carried(straight, rig), posed.vertices, atol=0.02 * size)
+    np.testing.assert_allclose(carried(straight, rig), posed.vertices, atol=0.03 * size)
 
 
 @pytest.mark.parametrize("radius", [0.03, 0.3])
