@@ -179,7 +179,7 @@ def points() -> int:
 
 def write(x: int, y: int, text: str) -> Steps[None]:
     """Paste into a field."""
-    yield from move(x - 4, y)  # Blender forgets what is under a mouse that rests while it draws
+    yield from move(x - 4, y)  # Blender looks what is under the mouse when it moves
     yield from move(x, y)
     yield 0.3  # until it is what the keys are for
     bpy.context.window_manager.clipboard = text

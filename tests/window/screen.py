@@ -24,7 +24,7 @@ Steps = Generator[float, None, T]
 PICTURES = Path(os.environ["PICTURES"])
 PATIENCE = 60  # seconds until what is waited for counts as missing
 
-# Where each text was found last, by its column.
+# The height at which each text was found last, in its column.
 _places: dict[tuple[str, float], int] = {}
 
 
