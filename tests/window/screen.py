@@ -130,8 +130,7 @@ def _look_for(text: str, column: float, seen: set[str]) -> Steps[tuple[int, int]
     former = _places.get((text, column))  # most have not moved since
     heights = range(sidebar.y + sidebar.height - 4, sidebar.y, -12)
     for y in heights if former is None else (former, *heights):
-        xdotool("mousemove", x, _window().height - y)
-        yield 0.05
+        yield from _hover(x, y)
         if text in _under_mouse(sidebar):
             yield 0.3
             if text in _under_mouse(sidebar):
@@ -146,15 +145,23 @@ def _middle(text: str, x: int, y: int) -> Steps[int]:
     for step in (2, -2):
         end = y
         for end in range(y, y + 20 * step, step):
-            xdotool("mousemove", x, _window().height - end)
-            yield 0.03
+            yield from _hover(x, end)
             if text not in _under_mouse(region("UI")):
                 break
         ends.append(end)
     middle = sum(ends) // 2
-    xdotool("mousemove", x, _window().height - middle)
-    yield 0.1
+    yield from _hover(x, middle)
     return middle
+
+
+def _hover(x: int, y: int) -> Steps[None]:
+    """Move the mouse, and wait until Blender knows what is under it.
+
+    Timers run between Blender's reading of events and its handling of them. One pass handles the
+    move, and one leaves the former button and enters the new one.
+    """
+    xdotool("mousemove", x, _window().height - y)
+    yield from (0.03, 0, 0)
 
 
 def in_view(window: bpy.types.Window | None = None) -> AbstractContextManager:

@@ -89,7 +89,7 @@ def planned(arguments: argparse.Namespace) -> dict[str, Callable[[Page], None]]:
     return {
         "machine": machine.report,
         "steps": lambda page: steps.report(page, shapes, least=least),
-        "accuracy": lambda page: accuracy.report(page, *of_steps),
+        "accuracy": lambda page: accuracy.report(page, *of_steps, least=least),
         "exact": lambda page: exact.report(page, (small, medium)),
         "eigenpairs": lambda page: eigenpairs.report(page, *of_eigenpairs, everything=not least),
         "deformation": lambda page: deformation.report(page, pulled),

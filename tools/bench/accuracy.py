@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 import spectral_tv
@@ -20,14 +20,15 @@ FINEST = 1.5e-3
 REFINED = 1000
 COUNTS = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536)
 GOALS = (0.1, 0.05, 0.02)
+LEAST_GOALS = (0.1, 0.05)
 
 Flow = Callable[[np.ndarray], np.ndarray]
-# Numbers of steps with their errors and times, from the fewest on.
-Plans = list[tuple[int, float, np.ndarray]]
+# A number of steps with its error and its times.
+Plan = tuple[int, float, np.ndarray]
 
 
-def report(page: Page, name: str, shape: Shape) -> None:
-    """Print the table."""
+def report(page: Page, name: str, shape: Shape, *, least: bool = False) -> None:
+    """Print the table; the last goal takes the most steps, and is left out if ``least``."""
     with page.table(
         "accuracy",
         f"{name}, {len(shape[0])} vertices, up to a mean error of five bands against {REFINED} "
@@ -36,12 +37,12 @@ def report(page: Page, name: str, shape: Shape) -> None:
         "| of the steps",
     ) as row:
         for method in LAST:
-            for cells in compared(shape, method):
+            for cells in compared(shape, method, LEAST_GOALS if least else GOALS):
                 row(method.upper(), *cells)
 
 
-def compared(shape: Shape, method: str) -> Iterable[list[str]]:
-    """The cells of a method for each goal."""
+def compared(shape: Shape, method: str, goals: tuple[float, ...]) -> Iterator[list[str]]:
+    """The cells of a method for each goal; the goals grow harder."""
     vertices, triangles = shape
     mesh = spectral_tv.Mesh(vertices, triangles)
     last = LAST[method] * mesh.area
@@ -67,19 +68,15 @@ def compared(shape: Shape, method: str) -> Iterable[list[str]]:
     def logarithmic(count: int) -> np.ndarray:
         return np.append(0, np.geomspace(last / 1000, last, count))
 
-    def planned(flow: Flow, ways: tuple[Callable[[int], np.ndarray], ...]) -> Plans:
-        found: Plans = []
+    def plans(flow: Flow, *ways: Callable[[int], np.ndarray]) -> Iterator[Plan]:
         for count in COUNTS:
             tried = [(error(flow(times), times), times) for times in (way(count) for way in ways)]
-            found.append((count, *min(tried, key=lambda each: each[0])))
-            if found[-1][1] <= GOALS[-1]:
-                break
-        return found
+            yield count, *min(tried, key=lambda each: each[0])
 
     # Lagged steps on the times that suit them better.
-    mine, them = planned(ours, (graded,)), planned(theirs, (graded, logarithmic))
-    for goal in GOALS:
-        ourselves, others = fewest(mine, goal), fewest(them, goal)
+    mine, them = Search(plans(ours, graded)), Search(plans(theirs, graded, logarithmic))
+    for goal in goals:
+        ourselves, others = mine.fewest(goal), them.fewest(goal)
         if ourselves is None or others is None:
             most = f"> {COUNTS[-1]}"
             counts = [str(plan[0]) if plan is not None else most for plan in (others, ourselves)]
@@ -93,6 +90,24 @@ def compared(shape: Shape, method: str) -> Iterable[list[str]]:
         ]  # fmt: skip
 
 
+class Search:
+    """Finds the fewest steps of no more than an error; each number of steps is tried once."""
+
+    def __init__(self, plans: Iterable[Plan]) -> None:
+        """Take plans from the fewest steps on."""
+        self._left = iter(plans)
+        self._found: Plan | None = None
+
+    def fewest(self, goal: float) -> Plan | None:
+        """The plan for a goal that is no easier than the last one; None if there is none."""
+        while self._found is None or self._found[1] > goal:
+            try:
+                self._found = next(self._left)
+            except StopIteration:
+                return None
+        return self._found
+
+
 def discarded(flow: Flow, times: np.ndarray) -> Callable[[], None]:
     """A flow whose states are not kept."""
 
@@ -100,8 +115,3 @@ def discarded(flow: Flow, times: np.ndarray) -> Callable[[], None]:
         flow(times)
 
     return run
-
-
-def fewest(plans: Plans, goal: float) -> tuple[int, float, np.ndarray] | None:
-    """The fewest steps of no more than this error."""
-    return next((plan for plan in plans if plan[1] <= goal), None)
