@@ -93,6 +93,7 @@ lint: $(WHEEL_STAMP)
 	$(BIN)/python -m mypy.stubtest spectral_tv._native
 
 extension: $(EXTENSION_STAMP)
+	@ls dist/*.zip dist/*.whl
 
 # The site, in .build/site, and screenshots of it. Notebooks and examples are run, links followed, and
 # pages looked at in Chromium.

@@ -137,7 +137,8 @@ def present(obj: bpy.types.Object | None, name: str) -> Recipe:
         note("all of its bands are at 0, so the recipe changes nothing")
     masks = {band.vertex_group for band in bands if band is not None and band.vertex_group}
     if masks:
-        note("masks are of this object, and not in the recipe")
+        names = ", ".join(map(repr, sorted(masks)))
+        note(f"of masks nothing goes into a recipe: this one is without {names}")
     settings = own.shareable(settings_of(record), len(bands))
     return Recipe(name.strip(), f"{settings.by.label} with a filter of yours", settings, values)
 

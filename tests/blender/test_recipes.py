@@ -277,7 +277,7 @@ def test_a_recipe_goes_to_others_as_a_file(tmp_path, capfd):
     records.bands_of(obj)[0].vertex_group = "Cap"
     path = tmp_path / "Carved.json"
     assert bpy.ops.spectral_tv.recipe_export(filepath=str(path)) == {"FINISHED"}
-    assert "masks are of this object, and not in the recipe" in capfd.readouterr().out
+    assert "this one is without 'Cap'" in capfd.readouterr().out
     assert bpy.ops.spectral_tv.recipe_import(filepath=str(path)) == {"FINISHED"}
     assert own.names()[-1] == "Carved"
     other = bumpy_ball()

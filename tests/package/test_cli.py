@@ -47,6 +47,11 @@ def decomposed(**options):
     return split.bands(split.band_edges(3), 1.0)
 
 
+def test_it_tells_its_version(capfd):
+    assert run(["--version"]) == 0
+    assert capfd.readouterr().out == f"Spectral TV {spectral_tv.__version__}\n"
+
+
 @pytest.mark.parametrize("suffix", [key for key, each in FORMATS.items() if each.writes])
 def test_every_format_holds_the_filtered_shape(suffix, tmp_path, capfd):
     source = write_input(tmp_path / "in.ply")

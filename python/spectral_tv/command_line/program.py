@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
+from spectral_tv import __version__
 from spectral_tv.batches.child import SERVE, serve
 from spectral_tv.batches.task import Task
 from spectral_tv.command_line import signals, streams
@@ -78,6 +79,7 @@ def _parser(
     more: Callable[[Any], None] | None,
 ) -> argparse.ArgumentParser:
     parser = _Parser(prog=program, description=DESCRIPTION)
+    parser.add_argument("--version", action="version", version=f"Spectral TV {__version__}")
     commands: Any = parser.add_subparsers(metavar="COMMAND", required=True)
     for verb in verbs:
         verb.add_to(commands, program, more)
