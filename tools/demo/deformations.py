@@ -15,7 +15,7 @@ from PIL import Image
 from .contact_sheet import render
 from .shapes import opened
 
-CELL = 200
+CELL = 190
 PULL = np.array([0.45, -0.1, 0.25])
 # Label, algorithm, and softness relative to the size of the object.
 FOLLOWED = (
@@ -34,13 +34,17 @@ def main(blend: Path, path: Path) -> None:
     feet, crown = np.flatnonzero(height < 0.08), np.flatnonzero(height > 1.72)
     indices = np.r_[feet, crown]
     targets = np.vstack([basis[feet], basis[crown] + PULL])
-    row = [("Before", basis)]
+    bodies = np.repeat([-1, 0], [len(feet), len(crown)])
+    row = [
+        ("Before", basis),
+        ("Pose", spectral_tv.pose(mesh, indices, targets, bodies=bodies).vertices),
+    ]
     for label, algorithm, softness in FOLLOWED:
         result = spectral_tv.deform(
             mesh, indices, targets, softness=softness * mesh.area**0.5, algorithm=algorithm
         )
         row.append((label, result.vertices))
-    render(obj, [("Feet held, crown pulled", [row[:3], row[3:]])], path, cell=CELL)
+    render(obj, [("Feet held, crown pulled", [row[:4], row[4:]])], path, cell=CELL)
     with Image.open(path) as picture:
         small = picture.convert("RGB").quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1)
     small.save(path, optimize=True)

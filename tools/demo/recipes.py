@@ -15,12 +15,11 @@ import bpy
 import numpy as np
 from PIL import Image
 
-from .contact_sheet import PAPER
+from .contact_sheet import render
 from .shapes import opened
-from .studio import Studio, temporary_data
 
-SIDE = 300
-# In two rows after the creature itself.
+CELL = 280
+# In two rows after the creature itself: recipe and strength.
 LOOKS = (
     ("Exaggerate Skin", 1.0),
     ("Exaggerate Skin", 2.0),
@@ -35,14 +34,14 @@ def main(blend: Path, path: Path) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     install_extension()
     obj, basis, _ = opened(blend)
-    shapes = [basis, *(look(obj, *each) for each in LOOKS)]
-    page = Image.new("RGB", (3 * SIDE, 2 * SIDE), PAPER)
-    with temporary_data():
-        studio = Studio(obj, SIDE)
-        for place, vertices in enumerate(shapes):
-            shot = studio.shoot(vertices)
-            page.paste(shot, (place % 3 * SIDE, place // 3 * SIDE), shot)
-    page.quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+    cells = [("Before", basis)]
+    for recipe, strength in LOOKS:
+        label = recipe if strength == 1 else f"{recipe}, strength {strength:g}"
+        cells.append((label, look(obj, recipe, strength)))
+    render(obj, [("Recipes", [cells[:3], cells[3:]])], path, cell=CELL)
+    with Image.open(path) as picture:
+        small = picture.convert("RGB").quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1)
+    small.save(path, optimize=True)
 
 
 def look(obj: bpy.types.Object, recipe: str, strength: float) -> np.ndarray:
