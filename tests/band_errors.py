@@ -20,9 +20,15 @@ def band_errors(
 
     `areas` are those of the vertices; states are (N + 1, V, C) at times (N + 1,).
     """
-    edges = np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], 6)[1:])
-    fine = soft_bands(fine_times, fine_states, edges)
-    return relative_errors(areas, soft_bands(times, states, edges), fine)
+    fine = five_bands(fine_times, fine_states)
+    return relative_errors(areas, five_bands(times, states), fine)
+
+
+def five_bands(times: Array, states: Array) -> Array:
+    """The bands (5, V[, C]) whose errors are told: their edges are even in ln t."""
+    return soft_bands(
+        times, states, np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], 6)[1:])
+    )
 
 
 def soft_bands(times: Array, states: Array, edges: Array) -> Array:
@@ -35,10 +41,17 @@ def remainder(times: Array, states: Array, edge: float = np.inf) -> Array:
     """u − t u_t at an edge, (V[, C]), by differences over its width between cubics."""
     if edge <= 0:
         return states[0]
-    slopes = np.gradient(states, times, axis=0, edge_order=2)
-    slopes[0] = (states[1] - states[0]) / times[1]
     end = min(edge * np.exp(WIDTH / 2), times[-1])
     start = end * np.exp(-WIDTH)
+    # Slopes at both ends of each cubic need a state more on either side.
+    first, last = (
+        int(np.searchsorted(times, each, side)) for each, side in ((start, "right"), (end, "left"))
+    )
+    near = slice(max(first - 2, 0), max(last + 2, 3))
+    times, states = times[near], states[near]
+    slopes = np.gradient(states, times, axis=0, edge_order=2)
+    if times[0] == 0:
+        slopes[0] = (states[1] - states[0]) / times[1]
     u = CubicHermiteSpline(times, states, slopes)([start, end])
     return (end * u[0] - start * u[1]) / (end - start)
 

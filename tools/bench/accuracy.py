@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 import spectral_tv
 
-from tests.band_errors import band_errors
+from tests.band_errors import five_bands, relative_errors
 
 from .lagged import lagged_steps
 from .meshes import Shape
@@ -53,17 +53,23 @@ def compared(shape: Shape, method: str) -> Iterator[list[str]]:
     refined = graded(REFINED)
     fine = spectral_tv.decompose(mesh, method, times=refined).flow.states
 
+    def bands(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        return five_bands(times, states.reshape(*states.shape[:2], -1))
+
+    fine_bands, begun = bands(refined, fine), fine[0].copy()
+    del fine
+
     def ours(times: np.ndarray) -> np.ndarray:
         fresh = spectral_tv.Mesh(vertices, triangles)
         return spectral_tv.decompose(fresh, method, times=times).flow.states
 
     def theirs(times: np.ndarray) -> np.ndarray:
         # M3's own base differs a little, which is no error of its steps.
-        return lagged_steps(vertices, triangles, times, method, "pardiso", fine[0])
+        return lagged_steps(vertices, triangles, times, method, "pardiso", begun)
 
     def error(states: np.ndarray, times: np.ndarray) -> float:
-        every = [each.reshape(*each.shape[:2], -1) for each in (states, fine)]
-        return float(band_errors(mesh.vertex_areas, times, every[0], refined, every[1]).mean())
+        found = bands(times, states)
+        return float(relative_errors(mesh.vertex_areas, found, fine_bands).mean())
 
     def logarithmic(count: int) -> np.ndarray:
         return np.append(0, np.geomspace(last / 1000, last, count))
