@@ -19,6 +19,8 @@ from .timing import RUNS, interleaved
 FINEST = 1.5e-3
 REFINED = 1000
 COUNTS = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536)
+# From so many steps on only the times are tried that were better until then.
+DECIDED = 96
 GOALS = (0.1, 0.05)
 
 Flow = Callable[[np.ndarray], np.ndarray]
@@ -76,8 +78,11 @@ def compared(shape: Shape, method: str) -> Iterator[list[str]]:
 
     def plans(flow: Flow, *ways: Callable[[int], np.ndarray]) -> Iterator[Plan]:
         for count in COUNTS:
-            tried = [(error(flow(times), times), times) for times in (way(count) for way in ways)]
-            yield count, *min(tried, key=lambda each: each[0])
+            tried = [(error(flow(way(count)), way(count)), way) for way in ways]
+            least, best = min(tried, key=lambda each: each[0])
+            yield count, least, best(count)
+            if count >= DECIDED:
+                ways = (best,)
 
     # Lagged steps on the times that suit them better.
     mine, them = Search(plans(ours, graded)), Search(plans(theirs, graded, logarithmic))
