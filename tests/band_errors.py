@@ -44,9 +44,8 @@ def remainder(times: Array, states: Array, edge: float = np.inf) -> Array:
     end = min(edge * np.exp(WIDTH / 2), times[-1])
     start = end * np.exp(-WIDTH)
     # Slopes at both ends of each cubic need a state more on either side.
-    first, last = (
-        int(np.searchsorted(times, each, side)) for each, side in ((start, "right"), (end, "left"))
-    )
+    first = int(np.searchsorted(times, start, "right"))
+    last = int(np.searchsorted(times, end, "left"))
     near = slice(max(first - 2, 0), max(last + 2, 3))
     times, states = times[near], states[near]
     slopes = np.gradient(states, times, axis=0, edge_order=2)
