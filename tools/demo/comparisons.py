@@ -13,7 +13,7 @@ import numpy as np
 import spectral_tv
 from PIL import Image
 
-from .contact_sheet import PAPER
+from .contact_sheet import PAPER, save
 from .methods import CHEST
 from .shapes import opened
 from .studio import Studio, temporary_data
@@ -43,7 +43,7 @@ def main(blend: Path, path: Path) -> None:
             for x, vertices in enumerate(row):
                 cut = studio.shoot(vertices).crop((*corner, corner[0] + SIDE, corner[1] + SIDE))
                 page.paste(cut, (x * SIDE, y * SIDE), cut)
-    page.quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+    save(page, path, shades=64)
 
 
 def smoothed(mesh: spectral_tv.Mesh, m3: np.ndarray) -> list[np.ndarray]:

@@ -81,6 +81,7 @@ def render(
     cell: int = 280,
     azimuth: float = 25.0,
     margin: float = 0.18,
+    shades: int = 256,
     progress: Callable[[float], None] | None = None,
 ) -> None:
     """Render versions of a mesh to one PNG, all at the same scale, each centred in its cell.
@@ -96,7 +97,7 @@ def render(
         `rows` is a list of rows of cells (label, vertices), where `vertices` is a (V, 3) array of
         positions in the object's space, or None for an empty cell.
     path : str or Path
-        PNG file to write, with a palette of 256 shades.
+        PNG file to write.
     cell : int
         Width and height of a cell in pixels, without its label.
     azimuth : float
@@ -104,13 +105,20 @@ def render(
     margin : float
         Space around the object's own shape as a share of its larger extent in the picture.
         A version that would not fit is shown smaller.
+    shades : int
+        Size of the picture's palette: fewer make a smaller file.
     progress : callable, optional
         Called after each cell with the share of cells done, in (0, 1].
     """
     with temporary_data():
         studio = Studio(obj, cell, margin=margin, azimuth=azimuth)
         page = compose(sheets, cell, studio.shoot, progress)
-    page.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+    save(page, path, shades)
+
+
+def save(page: Image.Image, path: str | Path, shades: int) -> None:
+    """Write a small PNG, with a palette of so many shades."""
+    page.quantize(shades, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
 
 
 def compose(

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import spectral_tv
-from PIL import Image
 
 from .contact_sheet import render
 from .shapes import opened
@@ -44,10 +43,7 @@ def main(blend: Path, path: Path) -> None:
             mesh, indices, targets, softness=softness * mesh.area**0.5, algorithm=algorithm
         )
         row.append((label, result.vertices))
-    render(obj, [("Feet held, crown pulled", [row[:4], row[4:]])], path, cell=CELL)
-    with Image.open(path) as picture:
-        small = picture.convert("RGB").quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1)
-    small.save(path, optimize=True)
+    render(obj, [("Feet held, crown pulled", [row[:4], row[4:]])], path, cell=CELL, shades=64)
 
 
 if __name__ == "__main__":

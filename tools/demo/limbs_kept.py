@@ -12,7 +12,7 @@ import spectral_tv
 from PIL import Image
 
 from .comparisons import by_bands
-from .contact_sheet import PAPER
+from .contact_sheet import PAPER, save
 from .methods import filtered
 from .shapes import opened
 from .studio import Studio, temporary_data
@@ -38,7 +38,7 @@ def main(blend: Path, path: Path) -> None:
             for x, vertices in enumerate(row):
                 shot = studio.shoot(vertices)
                 page.paste(shot, (x * SIDE, y * SIDE), shot)
-    page.quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+    save(page, path, shades=64)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from PIL import Image
 
-from .contact_sheet import PAPER
+from .contact_sheet import PAPER, save
 from .shapes import band, coordinates
 from .studio import Studio, temporary_data
 
@@ -42,7 +42,7 @@ def main(blend: Path, directory: Path) -> None:
                 cut = shot.crop((*corner, corner[0] + SIDE, corner[1] + SIDE))
                 page.paste(cut, (place * SIDE, 0), cut)
         path = directory / f"method_{method.lower()}.png"
-        page.quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+        save(page, path, shades=64)
 
 
 def filtered(obj: bpy.types.Object, method: str, gains: tuple[float, ...]) -> np.ndarray:

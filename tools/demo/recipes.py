@@ -13,7 +13,6 @@ from .__main__ import install_extension  # before bpy, whose settings it keeps a
 # isort: split
 import bpy
 import numpy as np
-from PIL import Image
 
 from .contact_sheet import render
 from .shapes import opened
@@ -38,10 +37,7 @@ def main(blend: Path, path: Path) -> None:
     for recipe, strength in LOOKS:
         label = recipe if strength == 1 else f"{recipe}, strength {strength:g}"
         cells.append((label, look(obj, recipe, strength)))
-    render(obj, [("Recipes", [cells[:3], cells[3:]])], path, cell=CELL)
-    with Image.open(path) as picture:
-        small = picture.convert("RGB").quantize(64, Image.Quantize.MAXCOVERAGE, kmeans=1)
-    small.save(path, optimize=True)
+    render(obj, [("Recipes", [cells[:3], cells[3:]])], path, cell=CELL, shades=64)
 
 
 def look(obj: bpy.types.Object, recipe: str, strength: float) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 import spectral_tv
 from PIL import Image, ImageDraw
 
+from ..demo import contact_sheet
 from ..demo.contact_sheet import INK, RULE, Sheet, compose
 from ..demo.studio import Studio, temporary_data
 
@@ -111,4 +112,4 @@ def save(path: Path, sheets: Sequence[Sheet], cell: int = CELL, shades: int = SH
     """Lay pictures out and write them as a small PNG."""
     page = compose(sheets, cell, lambda shown: shown)
     path.parent.mkdir(parents=True, exist_ok=True)
-    page.quantize(shades, Image.Quantize.MAXCOVERAGE, kmeans=1).save(path, optimize=True)
+    contact_sheet.save(page, path, shades)
