@@ -20,15 +20,14 @@ def band_errors(
 
     `areas` are those of the vertices; states are (N + 1, V, C) at times (N + 1,).
     """
-    fine = five_bands(fine_times, fine_states)
-    return relative_errors(areas, five_bands(times, states), fine)
+    edges = band_edges(times[-1])
+    fine = soft_bands(fine_times, fine_states, edges)
+    return relative_errors(areas, soft_bands(times, states, edges), fine)
 
 
-def five_bands(times: Array, states: Array) -> Array:
-    """The bands (5, V[, C]) whose errors are told: their edges are even in ln t."""
-    return soft_bands(
-        times, states, np.append(0.0, np.geomspace(times[-1] / 1000, times[-1], 6)[1:])
-    )
+def band_edges(last: float) -> Array:
+    """Edges (6,) of the five bands whose errors are told, even in ln t up to the last time."""
+    return np.append(0.0, np.geomspace(last / 1000, last, 6)[1:])
 
 
 def soft_bands(times: Array, states: Array, edges: Array) -> Array:

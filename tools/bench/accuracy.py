@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 import spectral_tv
 
-from tests.band_errors import five_bands, relative_errors
+from tests.band_errors import band_edges, relative_errors, soft_bands
 
 from .lagged import lagged_steps
 from .meshes import Shape
@@ -19,8 +19,6 @@ from .timing import RUNS, interleaved
 FINEST = 1.5e-3
 REFINED = 1000
 COUNTS = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536)
-# From so many steps on only the times are tried that were better until then.
-DECIDED = 96
 GOALS = (0.1, 0.05)
 
 Flow = Callable[[np.ndarray], np.ndarray]
@@ -55,8 +53,10 @@ def compared(shape: Shape, method: str) -> Iterator[list[str]]:
     refined = graded(REFINED)
     fine = spectral_tv.decompose(mesh, method, times=refined).flow.states
 
+    edges = band_edges(last)
+
     def bands(times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        return five_bands(times, states.reshape(*states.shape[:2], -1))
+        return soft_bands(times, states.reshape(*states.shape[:2], -1), edges)
 
     fine_bands, begun = bands(refined, fine), fine[0].copy()
     del fine
@@ -78,11 +78,8 @@ def compared(shape: Shape, method: str) -> Iterator[list[str]]:
 
     def plans(flow: Flow, *ways: Callable[[int], np.ndarray]) -> Iterator[Plan]:
         for count in COUNTS:
-            tried = [(error(flow(way(count)), way(count)), way) for way in ways]
-            least, best = min(tried, key=lambda each: each[0])
-            yield count, least, best(count)
-            if count >= DECIDED:
-                ways = (best,)
+            tried = [(error(flow(times), times), times) for times in (way(count) for way in ways)]
+            yield count, *min(tried, key=lambda each: each[0])
 
     # Lagged steps on the times that suit them better.
     mine, them = Search(plans(ours, graded)), Search(plans(theirs, graded, logarithmic))
