@@ -3,14 +3,14 @@
 
 use std::ops::Range;
 
-use ndarray::{ArrayView2, ArrayViewMut2, Axis, Slice};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, Slice};
 use rayon::prelude::*;
 
 /// Elements of which one thread adds up one part of a sum. Another number rounds sums otherwise.
 const CHUNK: usize = 1 << 13;
 
 /// Elements that are worth handing to another thread.
-const SHARE: usize = 1 << 12;
+pub(crate) const SHARE: usize = 1 << 12;
 
 /// The values of a function of 0 … `count` − 1, in order.
 pub(crate) fn values<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
@@ -24,6 +24,18 @@ where
 {
     let items = items.into_par_iter().with_min_len(SHARE);
     items.map(image).collect()
+}
+
+/// `count` times the same value. All threads write it: memory that an allocator has cleared, on one thread, may
+/// besides be one shared page of zeros, which is copied where something is added to it.
+pub(crate) fn filled<T: Copy + Send + Sync>(value: T, count: usize) -> Vec<T> {
+    values(count, |_| value)
+}
+
+/// Zeros of the given shape, of which the same is true.
+pub(crate) fn zeros<T: Copy + Send + Sync + Default>(shape: (usize, usize)) -> Array2<T> {
+    let zeros = filled(T::default(), shape.0 * shape.1);
+    Array2::from_shape_vec(shape, zeros).expect("as many as it has")
 }
 
 /// Does `work` on every item.

@@ -107,7 +107,7 @@ impl Increment {
         };
         let blocks = values.ncols().div_ceil(BLOCK);
         let mut units = Array2::zeros((values.nrows(), blocks));
-        let mut short = Array2::zeros(values.dim());
+        let mut short = parallel::zeros(values.dim());
         let channels = short.rows_mut().into_iter().zip(units.rows_mut());
         for ((mut short, mut units), values) in channels.zip(values.rows()) {
             let parts = short.axis_chunks_iter_mut(Axis(0), BLOCK).into_par_iter();
@@ -142,22 +142,27 @@ impl Increment {
 
     /// Adds `factor` times the increment to `sum` (C, V).
     pub(super) fn add_to(&self, factor: f64, sum: &mut Array2<f64>) {
+        parallel::columns_mut(&mut sum.view_mut()).for_each(|(first, mut columns)| {
+            self.add_to_columns(factor, first, &mut columns);
+        });
+    }
+
+    /// The same to the `columns` of a sum from `first` on.
+    fn add_to_columns(&self, factor: f64, first: usize, columns: &mut ArrayViewMut2<f64>) {
+        let range = first..first + columns.ncols();
         match self {
             Self::Double(values) => {
                 let add = |sum: &mut f64, value: &f64| *sum += factor * value;
-                Zip::from(sum).and(values).par_for_each(add);
+                let values = parallel::columns(values.view(), range);
+                Zip::from(columns).and(values).for_each(add);
             }
             Self::Single { values, unit } => {
                 let factor = factor * unit;
                 let add = |sum: &mut f64, value: &f32| *sum += factor * f64::from(*value);
-                Zip::from(sum).and(values).par_for_each(add);
+                let values = parallel::columns(values.view(), range);
+                Zip::from(columns).and(values).for_each(add);
             }
-            Self::Short { .. } => {
-                let mut sum = sum.view_mut();
-                parallel::columns_mut(&mut sum).for_each(|(first, mut columns)| {
-                    self.add_short(|_| factor, first, &mut columns);
-                });
-            }
+            Self::Short { .. } => self.add_short(|_| factor, first, columns),
         }
     }
 
@@ -225,11 +230,7 @@ impl Increment {
         match self {
             Self::Double(values) => values.clone(),
             Self::Single { values, unit } => values.mapv(|value| unit * f64::from(value)),
-            Self::Short { values, .. } => {
-                let mut sum = Array2::zeros(values.dim());
-                self.add_to(1.0, &mut sum);
-                sum
-            }
+            Self::Short { values, .. } => weighted_sum(values.dim(), [(1.0, self)]),
         }
     }
 
@@ -267,6 +268,20 @@ impl Increment {
             Self::Short { .. } => Precision::Short,
         }
     }
+}
+
+/// Σ_k a_k times increments, of the given `shape` (C, V), added up in their order.
+pub(super) fn weighted_sum<'a>(
+    shape: (usize, usize),
+    terms: impl IntoIterator<Item = (f64, &'a Increment)> + Clone + Sync,
+) -> Array2<f64> {
+    let mut sum = parallel::zeros(shape);
+    parallel::columns_mut(&mut sum.view_mut()).for_each(|(first, mut columns)| {
+        for (factor, increment) in terms.clone() {
+            increment.add_to_columns(factor, first, &mut columns);
+        }
+    });
+    sum
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use ndarray::Array2;
 use rayon::prelude::*;
 
-use crate::flow::increment::Increment;
+use crate::flow::increment::{Increment, weighted_sum};
 use crate::parallel;
 
 /// Least fraction of a gradient that a prediction leaves.
@@ -33,12 +33,12 @@ pub(super) fn predicted_increment(
     let logarithm = |k: usize| (times[k + 1] + times[k]).ln();
     let last = k.checked_sub(1)?;
     let known: Vec<f64> = (0..k.min(3)).map(|back| logarithm(last - back)).collect();
-    let mut increment = Array2::zeros(shape);
-    for (back, weight) in extrapolation(&known, logarithm(k)).iter().enumerate() {
+    let weights = extrapolation(&known, logarithm(k)).into_iter().enumerate();
+    let terms = weights.map(|(back, weight)| {
         let step = last - back;
-        increments[step].add_to(weight * length(k) / length(step), &mut increment);
-    }
-    Some(increment)
+        (weight * length(k) / length(step), &increments[step])
+    });
+    Some(weighted_sum(shape, terms.collect::<Vec<_>>()))
 }
 
 /// Weights of the values at up to three places, latest first, in the value expected at `next`.

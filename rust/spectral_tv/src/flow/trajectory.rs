@@ -1,9 +1,9 @@
 //! The states a flow passes through, and what was measured on the way.
 
-use ndarray::{Array1, Array2, ArrayView2, Axis, concatenate};
+use ndarray::{Array1, Array2, ArrayView2, Axis, Zip, concatenate};
 
 use crate::error::{ArgumentError, Result, has_usable_size, unusable_values};
-use crate::flow::increment::Increment;
+use crate::flow::increment::{Increment, weighted_sum};
 use crate::flow::times::check_times;
 
 /// A flow sampled at N + 1 times.
@@ -119,20 +119,20 @@ impl Trajectory {
         std::iter::once(self.initial.clone()).chain(later)
     }
 
-    /// Adds Σ_k a_k (u(t_{k+1}) − u(t_k)) to `sum` (C, V), for the N `factors` a_k.
-    pub fn add_increments(&self, factors: &[f64], sum: &mut Array2<f64>) {
-        for (increment, &factor) in self.increments.iter().zip(factors) {
-            if factor != 0.0 {
-                increment.add_to(factor, sum);
-            }
-        }
+    /// Σ_k a_k (u(t_{k+1}) − u(t_k)), (C, V), for the N `factors` a_k.
+    pub fn sum_of_increments(&self, factors: &[f64]) -> Array2<f64> {
+        let terms = factors.iter().copied().zip(&self.increments);
+        weighted_sum(
+            self.initial.dim(),
+            terms.filter(|&(factor, _)| factor != 0.0),
+        )
     }
 
     /// u(0) + Σ_k a_k (u(t_{k+1}) − u(t_k)), (C, V), for the N `factors` a_k.
     pub fn combined(&self, factors: &[f64]) -> Array2<f64> {
-        let mut sum = Array2::zeros(self.initial.dim());
-        self.add_increments(factors, &mut sum);
-        sum += &self.initial;
+        let mut sum = self.sum_of_increments(factors);
+        let add = |sum: &mut f64, initial: &f64| *sum += initial;
+        Zip::from(&mut sum).and(&self.initial).par_for_each(add);
         sum
     }
 

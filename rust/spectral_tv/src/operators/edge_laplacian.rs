@@ -93,7 +93,7 @@ impl EdgeLaplacian {
 
     /// L u for `values` u (C, V).
     pub fn apply(&self, couplings: &[f64], values: &SideBySide) -> Array2<f64> {
-        let mut product = Array2::zeros((values.channel_count(), self.graph.size()));
+        let mut product = parallel::zeros((values.channel_count(), self.graph.size()));
         match values {
             SideBySide::One(lanes) => self.apply_to(couplings, lanes, product.view_mut()),
             SideBySide::Several { blocks, .. } => {

@@ -43,9 +43,7 @@ pub(super) fn remainder(times: &[f64], edge: f64) -> Vec<f64> {
 pub(crate) fn band_between(trajectory: &Trajectory, [from, to]: [f64; 2]) -> Array2<f64> {
     let [from, to] = [from, to].map(|edge| remainder(&trajectory.times, edge));
     let factors: Vec<f64> = from.iter().zip(to).map(|(from, to)| from - to).collect();
-    let mut band = Array2::zeros(trajectory.initial().dim());
-    trajectory.add_increments(&factors, &mut band);
-    band
+    trajectory.sum_of_increments(&factors)
 }
 
 /// The same of u(t) for a time up to T.

@@ -66,7 +66,7 @@ impl ThicknessCut {
     pub fn before(&self, trajectory: &Trajectory, edge: f64) -> Array2<f64> {
         let shares = Shares::of(&trajectory.times);
         let logarithm = edge.ln();
-        let mut sum = Array2::zeros(trajectory.initial().dim());
+        let mut sum = parallel::zeros(trajectory.initial().dim());
         parallel::columns_mut(&mut sum.view_mut()).for_each(|(first, mut columns)| {
             let latest = &self.latest[first..first + columns.ncols()];
             let cuts: Vec<f64> = latest.iter().map(|&l| soft_least(logarithm, l)).collect();

@@ -107,9 +107,7 @@ impl SpectralTransform {
                 *factor += gain * (before - now);
             }
         }
-        let mut sum = Array2::zeros(self.trajectory.initial().dim());
-        self.trajectory.add_increments(&factors, &mut sum);
-        sum
+        self.trajectory.sum_of_increments(&factors)
     }
 
     /// What lies between neighbouring `edges`, (C, V) for each pair. Each is summed up when it is asked

@@ -28,6 +28,7 @@ use sprs::CsMatI;
 use crate::error::{Error, Result};
 use crate::memory::NUMBER;
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::solver::scratch;
 use factor::Numbers;
 use supernodes::Supernodes;
@@ -236,7 +237,7 @@ impl Cholesky {
     /// # Panics
     /// If nothing was factorized before.
     pub fn solve(&mut self, right_hand_sides: ArrayView2<f64>) -> Array2<f64> {
-        let mut solutions = Array2::zeros(right_hand_sides.dim());
+        let mut solutions = parallel::zeros(right_hand_sides.dim());
         let blocks = right_hand_sides.axis_chunks_iter(Axis(0), 4);
         for (right, solutions) in blocks.zip(solutions.axis_chunks_iter_mut(Axis(0), 4)) {
             self.solve_block(right);

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::solver::multigrid::galerkin_pattern::{Part, Place, Product};
 use crate::solver::multigrid::matrix::{Matrix, chunk_length, split_at_rows};
 use crate::solver::multigrid::prolongation::{Prolongation, WIDTH};
@@ -126,8 +127,8 @@ impl<S: Place> Maps<S> {
     fn multiply(&self, matrix: &Matrix, prolongation: &Prolongation) -> Values {
         let count = self.starts.last().map_or(0, |&count| count as usize);
         let mut product = Values {
-            entries: vec![0.0; count],
-            masses: vec![0.0; matrix.size()],
+            entries: parallel::filled(0.0, count),
+            masses: parallel::filled(0.0, matrix.size()),
         };
         let chunk = matrix.chunk();
         let (starts, slots, own_slots) = (&self.starts, &self.slots, &self.own_slots);

@@ -36,6 +36,7 @@ use ndarray::{Array2, ArrayView2, Axis};
 use crate::error::{Error, Result};
 use crate::graph::Graph;
 use crate::monitor::Stage;
+use crate::parallel;
 use hierarchy::Hierarchy;
 use ordering::Ordering;
 use pcg::{Iteration, Report};
@@ -166,7 +167,7 @@ impl Multigrid {
         tolerance: f64,
         stage: Stage,
     ) -> Result<Array2<f64>> {
-        let mut solutions = Array2::zeros(right_hand_sides.dim());
+        let mut solutions = parallel::zeros(right_hand_sides.dim());
         for (block, rows) in right_hand_sides.axis_chunks_iter(Axis(0), 4).enumerate() {
             let first = 4 * block;
             let is_last = first + rows.nrows() == right_hand_sides.nrows();

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::monitor::Stage;
+use crate::parallel;
 use crate::solver::multigrid::hierarchy::Hierarchy;
 use crate::solver::multigrid::matrix::{Dot, Lanes, chunk_length, sum};
 use crate::solver::multigrid::v_cycle::Workspace;
@@ -35,7 +36,7 @@ pub(super) struct Report {
 impl<const L: usize> Iteration<L> {
     /// For systems of this hierarchy.
     pub fn new(hierarchy: &Hierarchy) -> Self {
-        let zeros = || vec![[0.0; L]; hierarchy.levels[0].matrix.size()];
+        let zeros = || parallel::filled([0.0; L], hierarchy.levels[0].matrix.size());
         Self {
             solution: zeros(),
             residual: zeros(),

@@ -1,6 +1,7 @@
 //! One symmetric V-cycle: pre-smooth, restrict the residual, correct by the next level,
 //! post-smooth.
 
+use crate::parallel;
 use crate::solver::multigrid::hierarchy::Hierarchy;
 use crate::solver::multigrid::matrix::{Dot, Lanes};
 
@@ -19,7 +20,7 @@ pub(super) struct Workspace<const L: usize> {
 impl<const L: usize> Workspace<L> {
     /// For this hierarchy.
     pub fn new(hierarchy: &Hierarchy) -> Self {
-        let zeros = |size: usize| vec![[0.0; L]; size];
+        let zeros = |size: usize| parallel::filled([0.0; L], size);
         let sizes = hierarchy.levels.iter().map(|level| level.matrix.size());
         let next = sizes.clone().skip(1).chain([0]);
         let levels = sizes.zip(next).map(|(size, next)| Vectors {
