@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use spectral_tv::Error;
 use spectral_tv::monitor::{Monitor, Stage};
-use spectral_tv_system::give_back;
+use spectral_tv_system::{Reuse, give_back};
 
 use crate::error::Failure;
 use crate::threads::{by_itself, threads, together};
@@ -67,7 +67,10 @@ impl<T: Send + 'static> Task<T> {
             .name("spectral_tv".into())
             .spawn(move || {
                 let started = Instant::now();
-                let work = || work(count, &watched);
+                let work = || {
+                    let _kept = Reuse::new();
+                    work(count, &watched)
+                };
                 let outcome = catch_unwind(AssertUnwindSafe(work));
                 watched.end();
                 // Nobody may be waiting any more; the outcome is then dropped.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 const CHUNK: usize = 1 << 13;
 
 /// Elements that are worth handing to another thread.
-pub(crate) const SHARE: usize = 1 << 12;
+const SHARE: usize = 1 << 12;
 
 /// The values of a function of 0 … `count` − 1, in order.
 pub(crate) fn values<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {

@@ -1,9 +1,10 @@
 //! The system's allocator, and what happens where it has nothing left.
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::ptr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::ration;
+use crate::{pages, ration, reuse};
 
 /// What an array of whole pages is aligned to.
 const PAGE: usize = 4096;
@@ -22,53 +23,107 @@ pub fn largest_of_pages() -> usize {
 /// end.
 pub struct Heap;
 
-// SAFETY: every block is the system's own, asked for and given back with the layout that came.
+// SAFETY: a block is asked for and given back with one layout, by [`pages`] that of [`reuse::large`] for large
+// ones, and by the system that which came for others.
 #[expect(unsafe_code, reason = "an allocator")]
 unsafe impl GlobalAlloc for Heap {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         if layout.align() >= PAGE {
             LARGEST_OF_PAGES.fetch_max(layout.size(), Ordering::Relaxed);
         }
-        // SAFETY: the caller's promise about the layout is passed on.
-        let attempt = || unsafe { System.alloc(layout) };
-        let block = attempt();
-        match block.is_null() {
-            true => in_need(layout.size(), attempt),
-            false => block,
-        }
+        let Some(large) = reuse::large(layout) else {
+            // SAFETY: the caller's promise about the layout is passed on.
+            return or_in_need(layout.size(), || unsafe { System.alloc(layout) });
+        };
+        // SAFETY: as above.
+        let new = || unsafe { pages::alloc(large) };
+        reuse::take(large).unwrap_or_else(|| counted(large, or_in_need(large.size(), new)))
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        let Some(large) = reuse::large(layout) else {
+            // SAFETY: as above.
+            return or_in_need(layout.size(), || unsafe { System.alloc_zeroed(layout) });
+        };
         // SAFETY: as above.
-        let attempt = || unsafe { System.alloc_zeroed(layout) };
-        let block = attempt();
-        match block.is_null() {
-            true => in_need(layout.size(), attempt),
-            false => block,
+        let new = || unsafe { pages::alloc_zeroed(large) };
+        match reuse::take(large) {
+            Some(block) => {
+                // SAFETY: the block has at least this size.
+                unsafe { block.write_bytes(0, layout.size()) };
+                block
+            }
+            None => counted(large, or_in_need(large.size(), new)),
         }
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // SAFETY: as above; where it fails, the block is as it was.
-        let attempt = || unsafe { System.realloc(block, layout, size) };
-        let moved = attempt();
-        match moved.is_null() {
-            true => in_need(size, attempt),
-            false => moved,
+        // SAFETY: the caller promises that it is a layout.
+        let wanted = unsafe { Layout::from_size_align_unchecked(size, layout.align()) };
+        match (reuse::large(layout), reuse::large(wanted)) {
+            (None, None) => {
+                // SAFETY: as above; where it fails, the block is as it was.
+                or_in_need(size, || unsafe { System.realloc(block, layout, size) })
+            }
+            (Some(before), Some(after)) if before == after => block,
+            (Some(before), Some(after)) => {
+                let size = after.size();
+                // SAFETY: as above.
+                let moved = or_in_need(size, || unsafe { pages::realloc(block, before, size) });
+                if !moved.is_null() {
+                    reuse::count(Some(before), Some(after));
+                }
+                moved
+            }
+            _ => {
+                // SAFETY: the new block is another one, and both have what is copied.
+                unsafe {
+                    let moved = self.alloc(wanted);
+                    if !moved.is_null() {
+                        let common = layout.size().min(size);
+                        ptr::copy_nonoverlapping(block, moved, common);
+                        self.dealloc(block, layout);
+                    }
+                    moved
+                }
+            }
         }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(block, layout) };
+        // SAFETY: the caller gives back what it had from here, with its layout.
+        unsafe {
+            match reuse::large(layout) {
+                None => System.dealloc(block, layout),
+                Some(large) if reuse::keep(block, large) => {}
+                Some(large) => pages::dealloc(block, large),
+            }
+        }
     }
 }
 
-/// Gives up one ration after the other until the attempt succeeds; null if none is left.
+/// The outcome of the attempt, which is made again as long as something is given up for it.
+fn or_in_need(size: usize, attempt: impl Fn() -> *mut u8) -> *mut u8 {
+    let block = attempt();
+    match block.is_null() {
+        true => in_need(size, attempt),
+        false => block,
+    }
+}
+
+/// A new block, which is counted out again if there is none.
+fn counted(layout: Layout, block: *mut u8) -> *mut u8 {
+    if block.is_null() {
+        reuse::count(Some(layout), None);
+    }
+    block
+}
+
+/// Gives up kept blocks, then one ration after the other, until the attempt succeeds; null if none is left.
 #[cold]
 fn in_need(size: usize, attempt: impl Fn() -> *mut u8) -> *mut u8 {
     loop {
-        let has_given_up = ration::give_up(size);
+        let has_given_up = reuse::free_kept(0) || ration::give_up(size);
         // Without one: what another thread has given up may do.
         let block = attempt();
         if !block.is_null() || !has_given_up {

@@ -4,9 +4,12 @@
 //! the foreign functions that tell how much memory is free, where no file tells it.
 
 mod heap;
+mod pages;
 mod physical;
 mod ration;
+mod reuse;
 
 pub use heap::{Heap, give_back, largest_of_pages};
 pub use physical::free_memory;
-pub use ration::{Ration, keep_a_little, room};
+pub use ration::{Ration, is_promised, keep_a_little, room};
+pub use reuse::Reuse;

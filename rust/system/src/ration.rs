@@ -1,6 +1,8 @@
 //! Memory that is set aside. If the system has no more, work goes on with it to where it can end.
 
+use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::hint::black_box;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -12,9 +14,43 @@ const LITTLE: usize = 1 << 22;
 
 /// A block that is set aside, and whom to tell when it is given up.
 struct Kept {
-    block: Vec<u8>,
+    block: Untouched,
     is_spent: Option<Arc<AtomicBool>>,
 }
+
+/// A block that nobody writes to. It is the system's own, so that [`crate::Reuse`] does not take it for
+/// memory in use.
+struct Untouched {
+    start: *mut u8,
+    layout: Layout,
+}
+
+impl Untouched {
+    /// `None` if the system does not have it.
+    fn new(bytes: usize) -> Option<Self> {
+        let layout = Layout::array::<u8>(bytes.max(1)).ok()?;
+        // SAFETY: the layout has a byte or more.
+        #[expect(unsafe_code, reason = "a block of the system's")]
+        let start = unsafe { System.alloc(layout) };
+        // Or the compiler takes it out, as nobody uses it.
+        let start = black_box(start);
+        (!start.is_null()).then_some(Self { start, layout })
+    }
+}
+
+impl Drop for Untouched {
+    fn drop(&mut self) {
+        // SAFETY: the block is the system's, of this layout.
+        #[expect(unsafe_code, reason = "a block of the system's")]
+        unsafe {
+            System.dealloc(self.start, self.layout);
+        }
+    }
+}
+
+// SAFETY: nobody else has the address.
+#[expect(unsafe_code, reason = "a pointer is not Send by itself")]
+unsafe impl Send for Untouched {}
 
 /// All of them. A lock is only ever tried: in a process that was forked, it may be another's.
 static KEPT: [Mutex<Option<Kept>>; MOST] = [const { Mutex::new(None) }; MOST];
@@ -40,7 +76,7 @@ impl Ration {
     /// does not have them.
     pub fn new(bytes: usize, is_spent: Arc<AtomicBool>) -> Option<Self> {
         let kept = Kept {
-            block: room(bytes)?,
+            block: Untouched::new(bytes)?,
             is_spent: Some(is_spent),
         };
         let place = (LITTLE_PLACE + 1..MOST).find(|&place| is_free(place));
@@ -66,7 +102,12 @@ pub fn keep_a_little() -> bool {
         let is_spent = None;
         keep(LITTLE_PLACE, Kept { block, is_spent });
     };
-    !is_free(LITTLE_PLACE) || room(LITTLE).map(keep_block).is_some()
+    !is_free(LITTLE_PLACE) || Untouched::new(LITTLE).map(keep_block).is_some()
+}
+
+/// Whether the system promises `bytes`. It may promise more than it has.
+pub fn is_promised(bytes: usize) -> bool {
+    Untouched::new(bytes).is_some()
 }
 
 /// A vector with room for `count` elements; `None` if the system does not have it. No ration is
@@ -89,7 +130,7 @@ pub(crate) fn give_up(size: usize) -> bool {
     }
     let size_of = |place: usize| {
         let kept = KEPT[place].try_lock().ok()?;
-        kept.as_ref().map(|kept| kept.block.capacity())
+        kept.as_ref().map(|kept| kept.block.layout.size())
     };
     let mut best: Option<(usize, usize)> = None;
     for place in 0..MOST {

@@ -5,7 +5,7 @@ mod available;
 mod control_groups;
 pub mod needs;
 
-use spectral_tv_system::room;
+use spectral_tv_system::{is_promised, room};
 
 pub use available::available;
 
@@ -37,9 +37,9 @@ pub(crate) fn check(needed: u64, what: &str, advice: &str) -> Result<()> {
 /// # Errors
 /// [`Error::Memory`].
 pub(crate) fn check_promise(needed: u64, what: &str, advice: &str) -> Result<()> {
-    match usize::try_from(needed).ok().and_then(room::<u8>) {
-        Some(_) => Ok(()),
-        None => Err(refusal(needed, what, advice)),
+    match usize::try_from(needed).is_ok_and(is_promised) {
+        true => Ok(()),
+        false => Err(refusal(needed, what, advice)),
     }
 }
 
