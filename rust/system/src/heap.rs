@@ -6,9 +6,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::{pages, ration, reuse};
 
-/// What an array of whole pages is aligned to.
-const PAGE: usize = 4096;
-
 static LARGEST_OF_PAGES: AtomicUsize = AtomicUsize::new(0);
 
 /// The largest array of whole pages that [`Heap`] was asked for, in bytes.
@@ -28,7 +25,7 @@ pub struct Heap;
 #[expect(unsafe_code, reason = "an allocator")]
 unsafe impl GlobalAlloc for Heap {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        if layout.align() >= PAGE {
+        if layout.align() >= pages::SIZE {
             LARGEST_OF_PAGES.fetch_max(layout.size(), Ordering::Relaxed);
         }
         let Some(large) = reuse::large(layout) else {

@@ -3,8 +3,8 @@
 
 use std::alloc::Layout;
 
-/// Largest alignment of a block.
-pub(crate) const ALIGNMENT: usize = 4096;
+/// Bytes of a page. Blocks are aligned to it.
+pub(crate) const SIZE: usize = 4096;
 /// Whether blocks can get another size at little cost.
 pub(crate) const CAN_RESIZE: bool = cfg!(target_os = "linux");
 

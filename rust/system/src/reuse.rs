@@ -83,25 +83,23 @@ impl Drop for Reuse {
 /// The layout of the block that serves `layout`, if that is large.
 pub(crate) fn large(layout: Layout) -> Option<Layout> {
     let size = layout.size();
-    if size < LARGE || layout.align() > pages::ALIGNMENT {
+    if size < LARGE || layout.align() > pages::SIZE {
         return None;
     }
     let size = size.checked_add(ADDED)?;
     let part = (1 << size.ilog2()) / PARTS;
     let size = size.checked_next_multiple_of(part)?;
-    Layout::from_size_align(size, pages::ALIGNMENT).ok()
+    Layout::from_size_align(size, pages::SIZE).ok()
 }
 
 /// A block of a large layout, made of a kept one, and room for a new one under the peak if there is none.
 pub(crate) fn take(layout: Layout) -> Option<*mut u8> {
-    let in_use = IN_USE.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-    let peak = PEAK.fetch_max(in_use, Ordering::Relaxed).max(in_use);
     let kept = SHELF
         .try_lock()
         .ok()
         .and_then(|mut shelf| shelf.take(layout));
     let block = kept.and_then(|kept| kept.resized(layout.size()));
-    free_kept(peak - in_use);
+    count(None, Some(layout));
     block
 }
 
