@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bisect
 import functools
 from collections.abc import Callable, Iterable, Iterator
 
@@ -20,13 +19,16 @@ from .timing import RUNS, interleaved
 # The finest time of the default ones, relative to the last.
 FINEST = 1.5e-3
 REFINED = 1000
-COUNTS = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536)
+# Four in an octave: the fewest that suffice are found up to a quarter too many.
+COUNTS = tuple(quarter << octave for octave in range(9) for quarter in range(4, 8))
 GOALS = (0.1, 0.05)
 LARGE = 100_000
 
 Flow = Callable[[np.ndarray], np.ndarray]
 # A number of steps with its error and its times.
 Plan = tuple[int, float, np.ndarray]
+# Where in COUNTS searches ended, by what was searched for.
+Places = dict[tuple[str, str, float], int]
 
 
 def report(page: Page, shapes: Iterable[tuple[str, Shape]]) -> None:
@@ -38,14 +40,15 @@ def report(page: Page, shapes: Iterable[tuple[str, Shape]]) -> None:
         "mesh | vertices | method | error | steps by Pardiso | its error | Pardiso | steps "
         "| error | here | ratio | of the steps",
     ) as row:
+        found: Places = {}
         for name, shape in shapes:
             for method in LAST:
-                for cells in compared(shape, method):
+                for cells in compared(shape, method, found):
                     row(name, len(shape[0]), method.upper(), *cells)
 
 
-def compared(shape: Shape, method: str) -> Iterator[list[str]]:
-    """The cells of a method for each goal."""
+def compared(shape: Shape, method: str, known: Places) -> Iterator[list[str]]:
+    """The cells of a method for each goal; searches begin where those of other shapes ended."""
     vertices, triangles = shape
     mesh = spectral_tv.Mesh(vertices, triangles)
     last = LAST[method] * mesh.area
@@ -79,21 +82,24 @@ def compared(shape: Shape, method: str) -> Iterator[list[str]]:
     def logarithmic(count: int) -> np.ndarray:
         return np.append(0, np.geomspace(last / 1000, last, count))
 
-    def fewest(flow: Flow, *ways: Callable[[int], np.ndarray]) -> Callable[[float], Plan | None]:
+    def fewest(
+        side: str, flow: Flow, *ways: Callable[[int], np.ndarray]
+    ) -> Callable[[float], Plan | None]:
         @functools.cache
         def plan(count: int) -> Plan:
             tried = [(error(flow(times), times), times) for times in (way(count) for way in ways)]
             return count, *min(tried, key=lambda each: each[0])
 
         def found(goal: float) -> Plan | None:
-            # Errors fall with the number of steps.
-            place = bisect.bisect_left(COUNTS, x=True, key=lambda count: plan(count)[1] <= goal)
+            key = side, method, goal
+            place = first_place(lambda place: plan(COUNTS[place])[1] <= goal, known.get(key))
+            known[key] = min(place, len(COUNTS) - 1)
             return plan(COUNTS[place]) if place < len(COUNTS) else None
 
         return found
 
     # Lagged steps on the times that suit them better.
-    mine, them = fewest(ours, graded), fewest(theirs, graded, logarithmic)
+    mine, them = fewest("here", ours, graded), fewest("there", theirs, graded, logarithmic)
     for goal in GOALS:
         ourselves, others = mine(goal), them(goal)
         if ourselves is None or others is None:
@@ -109,6 +115,24 @@ def compared(shape: Shape, method: str) -> Iterator[list[str]]:
             f"{ourselves[1]:.1%}", f"{fast:.3f} s", f"{slow / fast:.0f}",
             f"{others[0] / ourselves[0]:.1f}",
         ]  # fmt: skip
+
+
+def first_place(is_enough: Callable[[int], bool], near: int | None) -> int:
+    """The first place in COUNTS that is enough, as are all after it; beyond the last if none is."""
+    below, above, stride = -1, len(COUNTS), 1
+    place = (below + above) // 2 if near is None else near
+    while above - below > 1:
+        if is_enough(place):
+            above = place
+        else:
+            below = place
+        # Growing strides from `near`, until it lies between two places.
+        if near is None or (below >= 0 and above < len(COUNTS)):
+            place = (below + above) // 2
+        else:
+            place = max(place - stride, 0) if above == place else min(place + stride, above - 1)
+            stride *= 2
+    return above
 
 
 def discarded(flow: Flow, times: np.ndarray) -> Callable[[], None]:

@@ -1,15 +1,21 @@
 //! The best step along a direction of descent.
 
-/// The search looks no further than this many times the direction.
-const LONGEST: f64 = 2.0;
+/// The farthest step of Newton's method, as a multiple of its direction.
+pub const FARTHEST: f64 = 2.0;
 /// Fall of the slope along the line at which the search is done, and its most evaluations.
 const SLOPE_TOLERANCE: f64 = 1e-2;
 const MOST_EVALUATIONS: usize = 20;
 
-/// The α in [0, 2] that minimises a convex function, given its `slope` and the slope at 0,
+/// The α in [0, [`FARTHEST`]] that minimises a convex function, given its `slope` and the slope at 0,
+/// `start`; see [`least_up_to`].
+pub fn least_along(start: f64, slope: impl Fn(f64) -> f64) -> f64 {
+    least_up_to(FARTHEST, start, slope)
+}
+
+/// The α in [0, `farthest`] that minimises a convex function, given its `slope` and the slope at 0,
 /// `start`: the root of the slope, by secants from α = 1 on, and by regula falsi (Illinois) once it
 /// lies between two of them; 0 where nothing descends.
-pub fn least_along(start: f64, slope: impl Fn(f64) -> f64) -> f64 {
+pub fn least_up_to(farthest: f64, start: f64, slope: impl Fn(f64) -> f64) -> f64 {
     if start >= 0.0 {
         return 0.0;
     }
@@ -18,7 +24,7 @@ pub fn least_along(start: f64, slope: impl Fn(f64) -> f64) -> f64 {
     let mut alpha = 1.0;
     for _ in 0..MOST_EVALUATIONS {
         let value = slope(alpha);
-        let is_end = alpha == LONGEST && value < 0.0;
+        let is_end = alpha == farthest && value < 0.0;
         if is_end || value.abs() <= SLOPE_TOLERANCE * start.abs() {
             break;
         }
@@ -35,8 +41,8 @@ pub fn least_along(start: f64, slope: impl Fn(f64) -> f64) -> f64 {
         }
         alpha = match high {
             Some(high) => root_between(low, high),
-            None if low.1 > before.1 => root_between(before, low).min(LONGEST),
-            None => LONGEST,
+            None if low.1 > before.1 => root_between(before, low).min(farthest),
+            None => farthest,
         };
     }
     alpha
@@ -71,5 +77,7 @@ mod tests {
         // Rounding may have a flat slope fall.
         assert_eq!(least_along(-9.0, |alpha| -9.0 - 1e-12 * alpha), 2.0);
         assert_eq!(least_along(0.0, |_| 0.0), 0.0);
+        let far = least_up_to(64.0, -9.0, |alpha| alpha - 9.0);
+        assert!((far - 9.0).abs() <= 0.09);
     }
 }

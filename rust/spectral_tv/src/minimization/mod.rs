@@ -10,7 +10,7 @@ mod variation;
 
 pub use energy::{Energy, Slope};
 pub use fields::{TangentField, clipping_factors, inner_products};
-pub use line_search::least_along;
+pub use line_search::{FARTHEST, least_along, least_up_to};
 pub use newton::PrimalDualNewton;
 pub use tolerance::check_tolerance;
 pub use variation::Variation;
