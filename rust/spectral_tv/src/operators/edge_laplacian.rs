@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::graph::Graph;
 use crate::monitor::Stage;
 use crate::operators::side_by_side::{Lanes, SideBySide, WIDTH};
-use crate::operators::{Gradient, LaplacianPattern};
+use crate::operators::{Gradient, LaplacianPattern, element_stiffness};
 use crate::parallel;
 
 /// No corner of a face.
@@ -60,30 +60,20 @@ impl EdgeLaplacian {
     /// c of every entry of the pattern for the weights w of the faces of `gradient`; 0 for diagonal entries.
     pub fn couplings(&self, gradient: &Gradient, weights: &[f64]) -> Vec<f64> {
         let areas = gradient.face_areas();
-        // Of each face three times, as to keep its shares would take as much memory as all couplings and half
-        // as much again.
-        self.gathered(|corner| {
-            let (face, place) = (corner as usize / 3, corner as usize % 3);
-            let [i, j, k] = gradient.hats(face);
-            let [p, q] = match place {
-                0 => [j, k],
-                1 => [k, i],
-                _ => [i, j],
-            };
-            -areas[face] * weights[face] * (p[0] * q[0] + p[1] * q[1])
-        })
+        let shares = parallel::values(areas.len(), |face| {
+            element_stiffness(&gradient.hats(face), -areas[face] * weights[face])
+        });
+        self.couplings_of(&shares)
     }
 
     /// The same from the `shares` of every face in the couplings of the edges that its corners face.
     pub fn couplings_of(&self, shares: &[[f64; 3]]) -> Vec<f64> {
         let shares = shares.as_flattened();
-        self.gathered(|corner| shares[corner as usize])
-    }
-
-    /// The same where `share` gives that of a corner.
-    fn gathered(&self, share: impl Fn(u32) -> f64 + Sync + Send) -> Vec<f64> {
-        let present = |corner: u32| if corner == NONE { 0.0 } else { share(corner) };
-        let coupling = |corners: &[u32; 2]| present(corners[0]) + present(corners[1]);
+        let share = |corner: u32| match corner {
+            NONE => 0.0,
+            corner => shares[corner as usize],
+        };
+        let coupling = |corners: &[u32; 2]| share(corners[0]) + share(corners[1]);
         let mut couplings = parallel::map(self.corners.par_iter(), coupling);
         for &(entry, corner) in &self.further {
             couplings[entry as usize] += share(corner);
@@ -150,7 +140,6 @@ mod tests {
     use super::*;
     use crate::mesh::examples::five_vertices;
     use crate::monitor::Monitor;
-    use crate::operators::element_stiffness;
 
     #[test]
     fn edges_give_what_the_gradient_and_its_adjoint_give() {
@@ -168,15 +157,6 @@ mod tests {
         for (row, channel) in product.rows().into_iter().zip(values.rows()) {
             let expected = gradient.weighted_laplacian(&weights, channel);
             assert!(row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12));
-        }
-        let shares: Vec<_> = (0..4)
-            .map(|face| {
-                let edges = element_stiffness(&gradient.hats(face), gradient.face_areas()[face]);
-                edges.map(|edge| -weights[face] * edge)
-            })
-            .collect();
-        for (found, expected) in edges.couplings_of(&shares).iter().zip(&couplings) {
-            assert!((found - expected).abs() < 1e-12);
         }
     }
 }
