@@ -28,6 +28,7 @@ struct Manner {
     farthest: f64,
 }
 
+/// Where masses stay.
 const USUAL: Manner = Manner {
     large: 0.06,
     farthest: FARTHEST,

@@ -20,9 +20,8 @@ const MOST_ITERATIONS: usize = 8;
 /// Size of a direction, relative to the first and both in the energy norm, beyond which another follows. The
 /// second is 0.1 to 0.4 on most shapes. From functions with jumps, flat nearly everywhere, it may be more.
 const LARGE: f64 = 0.5;
-/// Error of a direction that an iterative solver leaves, relative to the direction. Ten times as much changes
-/// the error of bands by less than 0.01 %. But some functions have steps that enlarge any error.
-const TOLERANCE: f64 = 1e-4;
+/// Error of a direction that an iterative solver leaves, relative to the direction.
+const TOLERANCE: f64 = 1e-5;
 
 /// The dual field of a flow of one channel.
 pub(super) struct DualSteps {

@@ -1,6 +1,6 @@
 //! The best step along a direction of descent.
 
-/// The farthest step of Newton's method, as a multiple of its direction.
+/// The farthest step, as a multiple of the direction, unless the caller knows better.
 pub const FARTHEST: f64 = 2.0;
 /// Fall of the slope along the line at which the search is done, and its most evaluations.
 const SLOPE_TOLERANCE: f64 = 1e-2;

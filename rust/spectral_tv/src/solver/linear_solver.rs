@@ -18,7 +18,7 @@ use crate::solver::{Cholesky, Multigrid, Symbolic};
 const SMALL: usize = 10_000;
 /// Number of unknowns from which multigrid is taken without a look at their couplings, as it
 /// takes less memory; and the same for several solutions of single functions, where a
-/// factorization of thin limbs takes two thirds of the time, but half as much memory again.
+/// factorization takes two thirds of the time at 300 000, but half as much memory again.
 const LARGE: usize = 100_000;
 const HUGE: usize = 400_000;
 /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
@@ -69,7 +69,10 @@ impl Solver {
         let is_direct = match self {
             Self::Auto if size >= demand.most_unknowns() => false,
             Self::Auto if size <= SMALL => true,
-            Self::Auto => symbolic.fill(lower)? < demand.largest_fill(),
+            Self::Auto => match demand.largest_fill() {
+                Some(largest) => symbolic.fill(lower)? < largest,
+                None => true,
+            },
             _ => return Ok(self),
         };
         Ok(match is_direct {
@@ -97,15 +100,14 @@ impl Demand {
         }
     }
 
-    /// Entries in a row of the factor from which systems are iterated on.
-    fn largest_fill(self) -> f64 {
-        let for_solutions = if self.solutions > 1 { MORE_FILL } else { 0.0 };
-        let for_a_single = if self.channels == 1 {
-            2.0 * MORE_FILL
-        } else {
-            0.0
-        };
-        LARGE_FILL + for_solutions + for_a_single
+    /// Entries in a row of the factor from which systems are iterated on; `None` if never.
+    fn largest_fill(self) -> Option<f64> {
+        match (self.solutions, self.channels) {
+            (2.., 1) => None,
+            (..=1, 1) => Some(LARGE_FILL + 2.0 * MORE_FILL),
+            (..=1, _) => Some(LARGE_FILL),
+            _ => Some(LARGE_FILL + MORE_FILL),
+        }
     }
 }
 
