@@ -7,7 +7,7 @@ use ndarray::{Array2, ArrayView2};
 use crate::discretization::Discretization;
 use crate::error::{ArgumentError, Result, has_usable_size};
 use crate::flow::law::Law;
-use crate::flow::semi_implicit::{Weights, semi_implicit_flow};
+use crate::flow::semi_implicit::{Weights, semi_implicit_end};
 use crate::flow::times::check_steps;
 use crate::memory::needs;
 use crate::mesh::{TriangleMesh, barycentric_areas};
@@ -150,8 +150,7 @@ pub fn conformal_mean_curvature_flow_with(
         .collect();
     let initial = positions(mesh);
     let weights = Weights::Lagged;
-    let flow = semi_implicit_flow(operators, &law, weights, initial, &times, solver, stage)?;
-    Ok(flow.combined(&vec![1.0; steps]))
+    semi_implicit_end(operators, &law, weights, initial, &times, solver, stage)
 }
 
 /// Area of a triangle whose corners' positions are columns of `positions` (3, V).

@@ -143,6 +143,18 @@ impl Recorder {
         }
     }
 
+    /// The last state, (C, V), with all its digits.
+    pub fn end(self) -> Array2<f64> {
+        let mut state = match &self.numbering {
+            Some(numbering) => numbering.outwards(self.state.view()),
+            None => self.state,
+        };
+        for (mut channel, &origin) in state.rows_mut().into_iter().zip(&self.origin) {
+            channel += origin;
+        }
+        state
+    }
+
     /// The finished trajectory.
     pub fn finish(mut self) -> Trajectory {
         if let Some(numbering) = &self.numbering {

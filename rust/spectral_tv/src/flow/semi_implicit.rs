@@ -66,19 +66,48 @@ pub fn semi_implicit_flow(
     solver: Solver,
     stage: Stage,
 ) -> Result<Trajectory> {
+    let flow = || recorded(operators, law, weights, initial, times, solver, stage);
     // On a thread of the pool that the solver shares its work with.
-    rayon::scope(|_| {
-        let mut record = stage.pass(|| Recorder::of_unknowns(operators, initial, times))??;
-        let mut steps = StepSolver::new(operators, law, weights, record.state(), solver, stage)?;
-        for k in 0..times.len() - 1 {
-            stage.report(k as f64 / (times.len() - 1) as f64)?;
-            let (solution, next) = steps.step(&record, weights, times, k)?;
-            record.push(solution, next.total_variation);
-            steps.advance(next);
-        }
-        stage.report(1.0)?;
-        Ok(record.finish())
-    })
+    rayon::scope(|_| Ok(flow()?.finish()))
+}
+
+/// The last state of [`semi_implicit_flow`], (C, V), which the increments kept may not add up to.
+///
+/// # Errors
+/// As [`semi_implicit_flow`].
+pub(super) fn semi_implicit_end(
+    operators: &Discretization,
+    law: &dyn Law,
+    weights: Weights,
+    initial: Array2<f64>,
+    times: &[f64],
+    solver: Solver,
+    stage: Stage,
+) -> Result<Array2<f64>> {
+    let flow = || recorded(operators, law, weights, initial, times, solver, stage);
+    rayon::scope(|_| Ok(flow()?.end()))
+}
+
+/// The flow with its last state.
+fn recorded(
+    operators: &Discretization,
+    law: &dyn Law,
+    weights: Weights,
+    initial: Array2<f64>,
+    times: &[f64],
+    solver: Solver,
+    stage: Stage,
+) -> Result<Recorder> {
+    let mut record = stage.pass(|| Recorder::of_unknowns(operators, initial, times))??;
+    let mut steps = StepSolver::new(operators, law, weights, record.state(), solver, stage)?;
+    for k in 0..times.len() - 1 {
+        stage.report(k as f64 / (times.len() - 1) as f64)?;
+        let (solution, next) = steps.step(&record, weights, times, k)?;
+        record.push(solution, next.total_variation);
+        steps.advance(next);
+    }
+    stage.report(1.0)?;
+    Ok(record)
 }
 
 /// What is known of a state.
