@@ -62,7 +62,7 @@ def everything() -> dict[str, str]:
         "job": spectral_tv.start_decompose(mesh, "heat", steps=5).result().residual,
     }
     for method in ("m1", "m2", "m3", "lb", "displacement"):
-        for solver in ("cholesky", "multigrid"):
+        for solver in ("cholesky", "single", "multigrid"):
             again = spectral_tv.decompose(mesh, method, steps=5, solver=solver)
             found[f"{method} by {solver}"] = again.residual
     for algorithm in ("paper", "harmonic", "biharmonic", "arap"):

@@ -48,10 +48,13 @@ Scheme: TypeAlias = (
     ]
 )
 Solver: TypeAlias = (
-    Annotated[Literal["auto"], "by the faster of both for the mesh."]
-    | Annotated[Literal["cholesky"], "by factorization."]
+    Annotated[Literal["auto"], "by the fastest for the mesh."]
+    | Annotated[Literal["cholesky"], "by factorization, exact to rounding."]
     | Annotated[
-        Literal["multigrid"], "by conjugate gradients with multigrid, to 2e-6 of each increment."
+        Literal["single"], "by factorization in single precision, to some 1e-6 of each increment."
+    ]
+    | Annotated[
+        Literal["multigrid"], "by conjugate gradients with multigrid, to 1e-4 of each increment."
     ]
 )
 Progress: TypeAlias = Annotated[

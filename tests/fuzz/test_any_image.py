@@ -24,7 +24,7 @@ def test_any_pixels_are_decomposed(data, shape):
         "times": st.one_of(st.just([0.0, 0.1, 0.5]), st.lists(NUMBERS).map(sorted)),
         "scheme": st.sampled_from(["lagged", "exact"]),
         "tolerance": NUMBERS,
-        "solver": st.sampled_from(["cholesky", "multigrid"]),
+        "solver": st.sampled_from(["cholesky", "single", "multigrid"]),
     }
     names = data.draw(st.sets(st.sampled_from([*settings]), max_size=3))
     chosen = {"steps": 4, **{name: data.draw(settings[name]) for name in sorted(names)}}

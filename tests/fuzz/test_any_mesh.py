@@ -17,7 +17,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::spectral_tv.MeshWarning")
 
 METHODS = list(spectral_tv.METHODS)
 SCHEMES = ["extrapolated", "lagged", "exact"]
-SOLVERS = ["auto", "cholesky", "multigrid"]
+SOLVERS = ["auto", "cholesky", "single", "multigrid"]
 EXACT = [name for name, facts in spectral_tv.METHODS.items() if facts.has_exact_steps]
 
 
@@ -53,7 +53,7 @@ def test_the_corpus_is_decomposed(name, method):
     vertices, triangles = corpus()[name]
     mesh = spectral_tv.Mesh(vertices, triangles)
     for scheme in SCHEMES if method in EXACT else SCHEMES[:2]:
-        for solver in ("cholesky", "multigrid"):
+        for solver in ("cholesky", "single", "multigrid"):
             job = spectral_tv.start_decompose(mesh, method, **few(method, 6, scheme, solver))
             split = result(job)
             bands = split.bands(split.band_edges(len(split.times) // 2))

@@ -41,7 +41,7 @@ def test_bands_are_those_at_the_origin(method, sizes_away):
 
 @pytest.mark.parametrize("sizes_away", SIZES_AWAY)
 @pytest.mark.parametrize("scheme", ["lagged", "extrapolated", "exact"])
-@pytest.mark.parametrize("solver", ["cholesky", "multigrid"])
+@pytest.mark.parametrize("solver", ["cholesky", "single", "multigrid"])
 def test_every_scheme_and_solver_does_the_same_there(scheme, solver, sizes_away):
     (away, near), _, _ = at_both_places(bumpy_sphere(3), sizes_away)
     arguments = {"method": "m1", "steps": 8, "scheme": scheme, "solver": solver}

@@ -233,5 +233,10 @@ pub fn stepping(input: &mut Unstructured) -> Result<Stepping> {
 
 /// Any solver.
 pub fn solver(input: &mut Unstructured) -> Result<Solver> {
-    Ok(*input.choose(&[Solver::Auto, Solver::Cholesky, Solver::Multigrid])?)
+    Ok(*input.choose(&[
+        Solver::Auto,
+        Solver::Cholesky,
+        Solver::Single,
+        Solver::Multigrid,
+    ])?)
 }

@@ -100,7 +100,7 @@ mod tests {
         let error = Solver::named("magic").unwrap_err().to_string();
         assert_eq!(
             error,
-            "solver must be \"auto\", \"cholesky\" or \"multigrid\", not \"magic\""
+            "solver must be \"auto\", \"cholesky\", \"single\" or \"multigrid\", not \"magic\""
         );
     }
 }

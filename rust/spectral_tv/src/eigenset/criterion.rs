@@ -136,7 +136,7 @@ pub fn eigenset_test_with(
     let size = needs::Size::of(mesh);
     // Beside the flow, the supersets and what diffuses them.
     let flow_needs = match elements {
-        Elements::Vertices => needs::flow(size, 1, STEPS, false),
+        Elements::Vertices => needs::flow(size, 1, STEPS, needs::Solved::Exactly),
         Elements::Edges => needs::edge_flow(size, 1, STEPS),
     };
     stage.require(

@@ -139,7 +139,7 @@ pub fn conformal_mean_curvature_flow_with(
             needs::Size::of(mesh),
             3,
             steps,
-            solver.is_iterative(vertices, Weights::Lagged.demand(3)),
+            solver.solved(vertices, Weights::Lagged.demand(3)),
         ),
         &format!("a conformal flow of {steps} steps on {vertices} vertices"),
         "take fewer steps, or a mesh of fewer vertices",

@@ -13,13 +13,13 @@ const CONTIGUOUS: &str = "functions are kept channel by channel";
 /// How many digits of an increment are worth keeping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Precision {
-    /// Where the system was factorized: the increment is exact to rounding.
+    /// Where the system was factorized in double precision: the increment is exact to rounding.
     Double,
-    /// Where it was solved by iteration, to some 1e-6 of the increment; rounding to single
+    /// Where it was solved otherwise, to some 1e-6 of the increment at best; rounding to single
     /// precision takes 6e-8 of it.
     Single,
     /// The same on a mesh of one piece, once no other step is solved by its help: rounding leaves 1.5e-5 of
-    /// the largest value nearby, which is what the iteration leaves of all.
+    /// the largest value nearby, which is what an iteration leaves of all.
     Short,
 }
 

@@ -65,10 +65,10 @@ impl Stepping {
         self.weights().map(|weights| weights.demand(channels))
     }
 
-    /// Whether systems of a flow of so many channels are surely solved by iteration.
-    pub(crate) fn is_iterated(self, vertices: usize, channels: usize) -> bool {
-        let demand = self.demand(channels);
-        demand.is_some_and(|demand| self.solver.is_iterative(vertices, demand))
+    /// How systems of a flow of so many channels are solved.
+    pub(crate) fn solved(self, vertices: usize, channels: usize) -> needs::Solved {
+        let solved = |demand| self.solver.solved(vertices, demand);
+        self.demand(channels).map_or(needs::Solved::Exactly, solved)
     }
 
     /// Refuses a tolerance that no step can have, even where it is of no account.
@@ -161,9 +161,9 @@ impl Stepping {
         stage: Stage,
     ) -> Result<()> {
         let steps = times.len().saturating_sub(1);
-        let is_iterated = self.is_iterated(vertices, channels);
+        let solved = self.solved(vertices, channels);
         let needed = match elements {
-            Elements::Vertices => needs::flow(size, channels, steps, is_iterated),
+            Elements::Vertices => needs::flow(size, channels, steps, solved),
             Elements::Edges => needs::edge_flow(size, channels, steps),
         };
         stage.require(

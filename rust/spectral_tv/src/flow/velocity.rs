@@ -94,7 +94,7 @@ mod tests {
             let schemes = [Scheme::Extrapolated, Scheme::Lagged, Scheme::Exact];
             let schemes = schemes.into_iter().take(if name == "tv" { 3 } else { 2 });
             for (scheme, solver) in schemes.flat_map(|scheme| {
-                [Solver::Cholesky, Solver::Multigrid].map(|solver| (scheme, solver))
+                [Solver::Cholesky, Solver::Single, Solver::Multigrid].map(|solver| (scheme, solver))
             }) {
                 let stepping = Stepping {
                     scheme,

@@ -175,7 +175,7 @@ pub fn decompose_image_with(
 fn memory(image: &Image, settings: &Settings, steps: usize) -> u64 {
     let (channels, pixels) = image.values.dim();
     let triangles = pixels.saturating_mul(TRIANGLES);
-    let is_iterated = settings.stepping.is_iterated(pixels, channels);
+    let solved = settings.stepping.solved(pixels, channels);
     let size = needs::Size::new(pixels, triangles);
-    needs::flow(size, channels, steps, is_iterated).saturating_add(needs::mesh(pixels, triangles))
+    needs::flow(size, channels, steps, solved).saturating_add(needs::mesh(pixels, triangles))
 }

@@ -64,9 +64,9 @@ pub fn vector<T>(count: usize, what: &str, advice: &str) -> Result<Vec<T>> {
 ///
 /// # Errors
 /// [`Error::Memory`] if they cannot be had.
-pub fn zeros(count: usize, what: &str, advice: &str) -> Result<Vec<f64>> {
+pub fn zeros<N: Clone + Default>(count: usize, what: &str, advice: &str) -> Result<Vec<N>> {
     let mut values = vector(count, what, advice)?;
-    values.resize(count, 0.0);
+    values.resize(count, N::default());
     Ok(values)
 }
 
@@ -93,11 +93,14 @@ mod tests {
             other => panic!("{other:?}"),
         };
         for count in [1 << 55, usize::MAX] {
-            refused(zeros(count, "this array", "take less").map(drop));
+            refused(zeros::<f64>(count, "this array", "take less").map(drop));
             refused(check(count as u64, "this array", "take less"));
             refused(check_promise(count as u64, "this array", "take less"));
         }
-        assert_eq!(zeros(3, "this array", "take less").unwrap(), [0.0; 3]);
+        assert_eq!(
+            zeros::<f64>(3, "this array", "take less").unwrap(),
+            [0.0; 3]
+        );
         check(3, "this array", "take less").unwrap();
         check_promise(3, "this array", "take less").unwrap();
     }

@@ -6,8 +6,10 @@
 use crate::memory::NUMBER;
 use crate::mesh::TriangleMesh;
 
-/// Bytes per vertex of a flow beside its states, where systems are factorized or iterated on.
+/// Bytes per vertex of a flow beside its states, where systems are factorized, in double or single precision, or
+/// iterated on.
 const FACTORIZED: u64 = 2200;
+const FACTORIZED_IN_SINGLE: u64 = 1300;
 const ITERATED: u64 = 900;
 /// The same of eigenpairs beside their functions.
 const LANCZOS: u64 = 3400;
@@ -53,12 +55,24 @@ impl Size {
     }
 }
 
-/// Bytes of a flow of so many channels and steps while it runs; `is_iterated` where systems are
-/// solved by iteration, and increments kept in single precision; in half of that on a mesh of one piece.
-pub fn flow(size: Size, channels: usize, steps: usize, is_iterated: bool) -> u64 {
-    let (beside, number) = match is_iterated {
-        true => (ITERATED, NUMBER / 2),
-        false => (FACTORIZED, NUMBER),
+/// How the systems of a flow are solved, as far as it is known of a size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solved {
+    /// By factorization in double precision.
+    Exactly,
+    /// By factorization in single precision, or less costly by iteration.
+    InSingle,
+    /// By iteration.
+    Iteratively,
+}
+
+/// Bytes of a flow of so many channels and steps while it runs. Increments are kept in double precision where
+/// systems are solved exactly, else in single; in half of that on a mesh of one piece.
+pub fn flow(size: Size, channels: usize, steps: usize, solved: Solved) -> u64 {
+    let (beside, number) = match solved {
+        Solved::Exactly => (FACTORIZED, NUMBER),
+        Solved::InSingle => (FACTORIZED_IN_SINGLE, NUMBER / 2),
+        Solved::Iteratively => (ITERATED, NUMBER / 2),
     };
     let states = number
         .saturating_mul(channels as u64)

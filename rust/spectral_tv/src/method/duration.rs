@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::discretization::Discretization;
 use crate::error::Result;
 use crate::flow::{Scheme, Stepping, TotalVariation};
-use crate::memory::needs::Size;
+use crate::memory::needs::{Size, Solved};
 use crate::mesh::TriangleMesh;
 use crate::method::facts::Work;
 use crate::method::{Base, Settings, graded_times, limbs};
@@ -64,12 +64,12 @@ fn steps_worth(size: f64, settings: &Settings) -> f64 {
     };
     // A step of three channels and of one. Factors fill up as the mesh grows, and iterations miss
     // the caches.
-    let (three, one) = match settings.is_iterated(size as usize) {
-        true => {
+    let (three, one) = match settings.solved(size as usize) {
+        Solved::Iteratively => {
             let step = scheme * 0.9 * (size / 4e4).max(0.1).powf(0.19);
             (step, 1.9 * newton * step)
         }
-        false => {
+        Solved::Exactly | Solved::InSingle => {
             let step = scheme * 0.68 * (size / (SIDE * SIDE) as f64).max(1.0).powf(0.27);
             (step, 0.8 * newton * step)
         }

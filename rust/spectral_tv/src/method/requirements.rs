@@ -18,11 +18,11 @@ const FEWER: &str = "take fewer eigenpairs, or a mesh of fewer vertices";
 pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settings) -> u64 {
     let size = needs::Size::new(vertices, triangles);
     let steps = settings.step_count();
-    let is_iterated = settings.is_iterated(vertices);
+    let solved = settings.solved(vertices);
     let facts = settings.method.facts();
     // The flow to a base that keeps limbs has ended when the other begins.
     let of_limbs = match settings.base {
-        Base::Limbs => needs::flow(size, 3, limbs::STEPS, is_iterated),
+        Base::Limbs => needs::flow(size, 3, limbs::STEPS, solved),
         _ => 0,
     };
     match settings.work() {
@@ -32,16 +32,21 @@ pub fn decomposition_memory(vertices: usize, triangles: usize, settings: &Settin
             } else {
                 0
             };
-            let flow = needs::flow(size, held, steps, is_iterated);
+            let flow = needs::flow(size, held, steps, solved);
             flow.max(of_limbs).saturating_add(base)
         }
         Work::Eigenpairs => {
             let count = settings.eigenpairs.min(vertices);
             // The states come when the basis has gone, but not the eigenfunctions.
             let functions = count.saturating_add(steps.saturating_mul(3));
-            needs::eigenpairs(size, count).max(needs::flow(size, functions, 1, false))
+            needs::eigenpairs(size, count).max(needs::flow(
+                size,
+                functions,
+                1,
+                needs::Solved::Exactly,
+            ))
         }
-        Work::Base => needs::flow(size, 3, BASE_STEPS, is_iterated).max(of_limbs),
+        Work::Base => needs::flow(size, 3, BASE_STEPS, solved).max(of_limbs),
     }
 }
 

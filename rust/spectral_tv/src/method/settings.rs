@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::error::Result;
+use crate::memory::needs::Solved;
 use crate::method::adaptive_steps::FEWEST_STEPS;
 use crate::method::facts::{FROM_LIMBS, Work};
 use crate::method::schedule::graded_times;
@@ -89,12 +90,12 @@ impl Settings {
         self.accuracy.map_or(self.steps, |_| FEWEST_STEPS)
     }
 
-    /// Whether the systems of the method's flow on so many vertices are surely solved by iteration.
-    pub(super) fn is_iterated(&self, vertices: usize) -> bool {
-        let solved = match self.work() {
+    /// How the systems of the method's flow on so many vertices are solved.
+    pub(super) fn solved(&self, vertices: usize) -> Solved {
+        let channels = match self.work() {
             Work::Flow { solved, .. } => solved,
             _ => 3,
         };
-        self.stepping.is_iterated(vertices, solved)
+        self.stepping.solved(vertices, channels)
     }
 }

@@ -8,6 +8,7 @@ use sprs::CsMatI;
 
 use crate::error::{Error, Result};
 use crate::graph::Graph;
+use crate::memory::needs::Solved;
 use crate::monitor::Stage;
 use crate::named::named;
 use crate::parallel;
@@ -39,22 +40,27 @@ named! {
         Auto = "auto",
         /// By factorization: exact to rounding, for small meshes and as the reference.
         Cholesky = "cholesky",
+        /// By factorization in single precision, for shapes of thin limbs and for single functions: rounding
+        /// leaves some 1e-6 of each solution.
+        Single = "single",
         /// By conjugate gradients with multigrid: linear in time and memory.
         Multigrid = "multigrid",
     }
 }
 
 impl Solver {
-    /// Whether systems of so many unknowns are solved by iteration, whatever couples them.
-    pub fn is_iterative(self, unknowns: usize, demand: Demand) -> bool {
+    /// How systems of so many unknowns are solved, whatever couples them.
+    pub fn solved(self, unknowns: usize, demand: Demand) -> Solved {
         match self {
-            Self::Auto => unknowns >= demand.most_unknowns(),
-            Self::Cholesky => false,
-            Self::Multigrid => true,
+            Self::Auto if unknowns >= demand.most_unknowns() => Solved::Iteratively,
+            Self::Auto if unknowns <= SMALL => Solved::Exactly,
+            Self::Auto | Self::Single => Solved::InSingle,
+            Self::Cholesky => Solved::Exactly,
+            Self::Multigrid => Solved::Iteratively,
         }
     }
 
-    /// Which of the two it is for what is demanded of matrices with the pattern of `lower`,
+    /// Which of the others it is for what is demanded of matrices with the pattern of `lower`,
     /// which has this `symbolic`.
     ///
     /// # Errors
@@ -65,19 +71,14 @@ impl Solver {
         symbolic: &Symbolic,
         demand: Demand,
     ) -> Result<Self> {
-        let size = lower.cols();
-        let is_direct = match self {
-            Self::Auto if size >= demand.most_unknowns() => false,
-            Self::Auto if size <= SMALL => true,
-            Self::Auto => match demand.largest_fill() {
-                Some(largest) => symbolic.fill(lower)? < largest,
-                None => true,
+        Ok(match (self, self.solved(lower.cols(), demand)) {
+            (_, Solved::Exactly) => Self::Cholesky,
+            (_, Solved::Iteratively) => Self::Multigrid,
+            (Self::Auto, _) => match demand.largest_fill() {
+                Some(largest) if symbolic.fill(lower)? >= largest => Self::Multigrid,
+                _ => Self::Single,
             },
-            _ => return Ok(self),
-        };
-        Ok(match is_direct {
-            true => Self::Cholesky,
-            false => Self::Multigrid,
+            _ => Self::Single,
         })
     }
 }
@@ -118,11 +119,19 @@ pub struct LinearSolver {
     /// Of the matrix at hand, as far as it may still have to be factorized; and τ.
     couplings: Vec<f64>,
     tau: f64,
-    /// Made for factorizations only.
-    lower: Option<CsMatI<f64, u32>>,
     symbolic: Symbolic,
-    multigrid: Option<Multigrid>,
+    approach: Approach,
+    /// The matrix at hand, and its factor, where it is solved exactly: by this approach, or where another
+    /// fails.
+    lower: Option<CsMatI<f64, u32>>,
     factor: Factor,
+}
+
+/// How systems are solved at first.
+enum Approach {
+    Exact,
+    Single(Cholesky<f32>),
+    Multigrid(Box<Multigrid>),
 }
 
 /// What there is of a factorization.
@@ -147,26 +156,33 @@ impl LinearSolver {
         demand: Demand,
         stage: Stage,
     ) -> Result<Self> {
-        let mut lower = None;
-        let (mut multigrid, mut factor) = (None, Factor::None);
-        if !solver.is_iterative(graph.size(), demand) {
-            let pattern = stage.pass(|| graph.lower_triangle())?;
-            if stage.pass(|| solver.chosen(&pattern, symbolic, demand))?? == Solver::Cholesky {
+        let (mut lower, mut factor) = (None, Factor::None);
+        let chosen = match solver.solved(graph.size(), demand) {
+            Solved::Iteratively => Solver::Multigrid,
+            _ => {
+                let lower = lower.insert(stage.pass(|| graph.lower_triangle())?);
+                stage.pass(|| solver.chosen(lower, symbolic, demand))??
+            }
+        };
+        let approach = match (chosen, lower.take()) {
+            (Solver::Cholesky, Some(pattern)) => {
                 factor = Factor::Room(Cholesky::new(&pattern, symbolic, stage)?);
                 lower = Some(pattern);
+                Approach::Exact
             }
-        }
-        if lower.is_none() {
-            multigrid = Some(Multigrid::analyse(Arc::clone(graph), stage)?);
-        }
+            (Solver::Single, Some(pattern)) => {
+                Approach::Single(Cholesky::new(&pattern, symbolic, stage)?)
+            }
+            _ => Approach::Multigrid(Box::new(Multigrid::analyse(Arc::clone(graph), stage)?)),
+        };
         Ok(Self {
             graph: Arc::clone(graph),
             masses: vec![0.0; graph.size()],
             couplings: Vec::new(),
             tau: 0.0,
-            lower,
             symbolic: symbolic.clone(),
-            multigrid,
+            approach,
+            lower,
             factor,
         })
     }
@@ -190,13 +206,16 @@ impl LinearSolver {
             Factor::Ready(cholesky) => Factor::Room(cholesky),
             factor => factor,
         };
-        if let Some(multigrid) = &mut self.multigrid {
-            match multigrid.set_matrix(masses, (&self.couplings, tau), stage) {
-                Err(Error::Solver(_)) => {}
-                outcome => return outcome,
-            }
+        let laplacian = (&self.couplings[..], tau);
+        let outcome = match &mut self.approach {
+            Approach::Exact => return self.factorize(stage),
+            Approach::Single(cholesky) => cholesky.factorize_laplacian(masses, laplacian, stage),
+            Approach::Multigrid(multigrid) => multigrid.set_matrix(masses, laplacian, stage),
+        };
+        match outcome {
+            Err(Error::Solver(_)) => self.factorize(stage),
+            outcome => outcome,
         }
-        self.factorize(stage)
     }
 
     /// Frees what is kept of the matrix at hand in case it has to be factorized. Another has to be set before
@@ -218,12 +237,16 @@ impl LinearSolver {
         tolerance: f64,
         stage: Stage,
     ) -> Result<Array2<f64>> {
-        if let Some(multigrid) = &mut self.multigrid
-            && !matches!(self.factor, Factor::Ready(_))
-        {
-            match multigrid.solve(right_hand_sides.view(), guess, tolerance, stage) {
-                Err(Error::Solver(_)) => {}
-                outcome => return outcome,
+        let right = right_hand_sides.view();
+        match &mut self.approach {
+            _ if matches!(self.factor, Factor::Ready(_)) => {}
+            Approach::Exact => {}
+            Approach::Single(cholesky) => return Ok(cholesky.solve(right)),
+            Approach::Multigrid(multigrid) => {
+                match multigrid.solve(right, guess, tolerance, stage) {
+                    Err(Error::Solver(_)) => {}
+                    outcome => return outcome,
+                }
             }
         }
         self.solve_exactly(right_hand_sides, stage)
@@ -249,12 +272,12 @@ impl LinearSolver {
 
     /// Whether solutions begin with a guess.
     pub fn is_iterative(&self) -> bool {
-        self.multigrid.is_some()
+        matches!(self.approach, Approach::Multigrid(_))
     }
 
     /// Whether solutions of the matrix at hand are exact to rounding.
     pub fn is_exact(&self) -> bool {
-        self.multigrid.is_none() || matches!(self.factor, Factor::Ready(_))
+        matches!(self.approach, Approach::Exact) || matches!(self.factor, Factor::Ready(_))
     }
 
     fn factorize(&mut self, stage: Stage) -> Result<()> {
@@ -265,7 +288,7 @@ impl LinearSolver {
         let tau = self.tau;
         let entries = lower.data_mut().par_iter_mut().zip(&self.couplings);
         stage.pass(|| parallel::for_each(entries, |(entry, coupling)| *entry = -tau * coupling))?;
-        if self.multigrid.is_none() {
+        if matches!(self.approach, Approach::Exact) {
             self.couplings = Vec::new();
         }
         complete_diagonal(&self.graph, &self.masses, lower);

@@ -247,7 +247,7 @@ mod tests {
         let monitor = Monitor::new();
         let operators = Discretization::new(&mesh).unwrap();
         let times: Vec<f64> = (0..9).map(|k| 0.01 * f64::from(k * k)).collect();
-        for solver in [Solver::Cholesky, Solver::Multigrid] {
+        for solver in [Solver::Cholesky, Solver::Single, Solver::Multigrid] {
             let (weights, shape) = (Weights::Extrapolated, positions(&mesh));
             let stage = monitor.whole();
             let flow = semi_implicit_flow(

@@ -53,7 +53,7 @@ pub fn on(mesh: &TriangleMesh, values: &[Vec<f64>]) -> Array2<f64> {
 
 pub fn stepping() -> impl Strategy<Value = Stepping> {
     let schemes = prop::sample::select(vec![Scheme::Lagged, Scheme::Extrapolated, Scheme::Exact]);
-    let solvers = prop::sample::select(vec![Solver::Cholesky, Solver::Multigrid]);
+    let solvers = prop::sample::select(vec![Solver::Cholesky, Solver::Single, Solver::Multigrid]);
     (schemes, solvers).prop_map(|(scheme, solver)| Stepping {
         scheme,
         tolerance: GAP,

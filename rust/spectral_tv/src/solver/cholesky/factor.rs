@@ -6,35 +6,63 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use ndarray::Array2;
 use pulp::{Arch, Simd, WithSimd};
+use sprs::CsMatI;
 
 use crate::error::Result;
 use crate::memory::zeros;
 use crate::monitor::Stage;
-use crate::solver::cholesky::front::{eliminate, subtract_square};
+use crate::solver::cholesky::front::{Sums, eliminate, subtract_square};
+use crate::solver::cholesky::number::Number;
+use crate::solver::cholesky::solve::{add_left_over, gather, subtract_below};
 use crate::solver::cholesky::tree::upward;
 use crate::solver::cholesky::units::Unit;
 use crate::solver::cholesky::wide;
 
 /// The numbers of one unit.
 #[derive(Debug)]
-pub(super) struct Numbers {
+pub struct Numbers<N> {
     /// The columns of L, supernode by supernode.
-    pub panels: Vec<f64>,
+    pub(super) panels: Vec<N>,
+    /// The reciprocals of its diagonal.
+    pub(super) diagonal: Vec<f64>,
     /// Updates in the making; at last that of the root, at the start.
-    stack: Vec<f64>,
-    /// The functions solved for, in columns and boundary.
-    pub lanes: Vec<f64>,
+    stack: Vec<N>,
+    /// The functions solved for, in columns and boundary. While it is factorized, what rows sum to.
+    pub(super) lanes: Vec<f64>,
 }
 
-impl Numbers {
+/// A matrix to be factorized.
+#[derive(Clone, Copy)]
+pub(super) struct Matrix<'a> {
+    /// The lower triangle is `scale` times these.
+    pub entries: &'a [f64],
+    pub scale: f64,
+    /// What its rows sum to, (1, V), if the diagonal is to be made from that.
+    pub sums: Option<&'a Array2<f64>>,
+}
+
+impl<'a> Matrix<'a> {
+    /// One with its diagonal.
+    pub fn of(lower: &'a CsMatI<f64, u32>) -> Self {
+        Self {
+            entries: lower.data(),
+            scale: 1.0,
+            sums: None,
+        }
+    }
+}
+
+impl<N: Number> Numbers<N> {
     /// For a unit.
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
-    pub fn new(unit: &Unit, what: &str, advice: &str) -> Result<Self> {
+    pub(super) fn new(unit: &Unit, what: &str, advice: &str) -> Result<Self> {
         Ok(Self {
             panels: zeros(unit.panel_length, what, advice)?,
+            diagonal: zeros(unit.columns.len(), what, advice)?,
             stack: zeros(unit.stack_length, what, advice)?,
             lanes: Vec::new(),
         })
@@ -45,10 +73,10 @@ impl Numbers {
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
-pub(super) fn factorize(
+pub(super) fn factorize<N: Number>(
     units: &[Unit],
-    numbers: &mut [Numbers],
-    entries: &[f64],
+    numbers: &mut [Numbers<N>],
+    matrix: Matrix,
     stage: Stage,
 ) -> Result<bool> {
     let is_definite = AtomicBool::new(true);
@@ -59,7 +87,7 @@ pub(super) fn factorize(
                 unit,
                 below,
                 own,
-                entries,
+                matrix,
                 stage,
             };
             if !Arch::new().dispatch(fronts) {
@@ -72,16 +100,16 @@ pub(super) fn factorize(
 }
 
 /// The fronts of one unit.
-struct Fronts<'a> {
+struct Fronts<'a, N> {
     units: &'a [Unit],
     unit: &'a Unit,
-    below: &'a [Numbers],
-    own: &'a mut Numbers,
-    entries: &'a [f64],
+    below: &'a [Numbers<N>],
+    own: &'a mut Numbers<N>,
+    matrix: Matrix<'a>,
     stage: Stage<'a>,
 }
 
-impl WithSimd for Fronts<'_> {
+impl<N: Number> WithSimd for Fronts<'_, N> {
     type Output = bool;
 
     #[inline(always)]
@@ -93,21 +121,33 @@ impl WithSimd for Fronts<'_> {
     }
 }
 
-impl Fronts<'_> {
+impl<N: Number> Fronts<'_, N> {
     #[inline(always)]
     fn factorize<const FUSED: bool>(self) -> bool {
-        let Numbers { panels, stack, .. } = self.own;
-        panels.fill(0.0);
+        let Numbers {
+            panels,
+            diagonal,
+            stack,
+            lanes: sums,
+        } = self.own;
+        panels.fill(N::ZERO);
+        let Matrix { entries, scale, .. } = self.matrix;
         for &(entry, place) in &self.unit.entries {
-            panels[place as usize] += self.entries[entry as usize];
+            panels[place as usize] += N::from_double(scale * entries[entry as usize]);
         }
+        if let Some(values) = self.matrix.sums {
+            gather::<1>(self.unit, values.view(), sums);
+            let (sums, _) = sums.as_chunks_mut::<1>();
+            add_left_over(self.units, self.unit, self.below, sums);
+        }
+        let mut room = Vec::new();
         for node in &self.unit.nodes {
             let shape @ (height, width) = (node.height, node.width);
             let size = height - width;
             let panel = &mut panels[node.panel..][..width * height];
             let (finished, rest) = stack.split_at_mut(node.scratch);
             let update = &mut rest[..size * size];
-            update.fill(0.0);
+            update.fill(N::ZERO);
             for child in &self.unit.children[node.children..][..node.child_count] {
                 let (stack, unit) = match child.unit {
                     None => (&*finished, self.unit),
@@ -121,16 +161,31 @@ impl Fronts<'_> {
                 add(left_over, places, panel, update, shape);
             }
             let is_wide = wide::is_wide(shape);
+            let own_diagonal = &mut diagonal[node.column..][..width];
+            let own_sums = self.matrix.sums.map(|_| Sums {
+                of_rows: &mut sums[node.column..][..width],
+                diagonal: own_diagonal,
+            });
             let is_definite = match is_wide {
-                true => wide::eliminate(panel, height, width),
-                false => eliminate::<FUSED>(panel, height, width),
+                true => wide::eliminate::<N, FUSED>(panel, shape, own_sums),
+                false => eliminate::<N, FUSED>(panel, shape, own_sums),
             };
             if !is_definite || self.stage.check().is_err() {
                 return false;
             }
             match is_wide {
                 true => wide::subtract_square(update, size, panel, width),
-                false => subtract_square::<FUSED>(update, size, panel, shape),
+                false => subtract_square::<N, FUSED>(update, size, panel, shape),
+            }
+            if self.matrix.sums.is_none() {
+                let diagonal = diagonal[node.column..].iter_mut();
+                for (value, own) in diagonal.zip(panel.iter().step_by(height + 1).take(width)) {
+                    *value = own.to_double();
+                }
+            } else {
+                let rows = &self.unit.rows[node.rows..][..size];
+                let (sums, _) = sums.as_chunks_mut::<1>();
+                subtract_below::<N, 1, FUSED>(panel, rows, shape, node.column, sums, &mut room);
             }
             stack.copy_within(node.scratch..node.scratch + size * size, node.update);
         }
@@ -140,17 +195,17 @@ impl Fronts<'_> {
 
 /// Whether a processor multiplies and adds at once: all with wide registers do.
 #[inline(always)]
-fn is_fused<S: Simd>() -> bool {
+pub(super) fn is_fused<S: Simd>() -> bool {
     S::F64_LANES > 1
 }
 
 /// Adds what a supernode leaves over to the front above, which consists of `panel` and `update`.
 #[inline(always)]
-fn add(
-    left_over: &[f64],
+fn add<N: Number>(
+    left_over: &[N],
     places: &[u32],
-    panel: &mut [f64],
-    update: &mut [f64],
+    panel: &mut [N],
+    update: &mut [N],
     (height, width): (usize, usize),
 ) {
     let size = places.len();
@@ -160,11 +215,11 @@ fn add(
         let rows = places[column..].iter().zip(values);
         if place < width {
             let target = &mut panel[place * height..][..height];
-            rows.for_each(|(&row, value)| target[row as usize] += value);
+            rows.for_each(|(&row, &value)| target[row as usize] += value);
         } else {
             let beneath = height - width;
             let target = &mut update[(place - width) * beneath..][..beneath];
-            rows.for_each(|(&row, value)| target[row as usize - width] += value);
+            rows.for_each(|(&row, &value)| target[row as usize - width] += value);
         }
     }
 }

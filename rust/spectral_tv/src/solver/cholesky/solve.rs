@@ -3,7 +3,8 @@
 use ndarray::{ArrayView2, ArrayViewMut2, Zip};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::solver::cholesky::factor::Numbers;
+use crate::solver::cholesky::factor::{Numbers, is_fused};
+use crate::solver::cholesky::number::Number;
 use crate::solver::cholesky::tree::{downward, upward};
 use crate::solver::cholesky::units::{Node, Unit};
 
@@ -15,37 +16,40 @@ const BLOCK: usize = 4;
 const PARTS: usize = 8;
 
 /// Solves K x = b for each row b of `right`, at most L; `write` has the solutions then.
-pub(super) fn solve<const L: usize>(
+pub(super) fn solve<N: Number, const L: usize>(
     units: &[Unit],
-    numbers: &mut [Numbers],
+    numbers: &mut [Numbers<N>],
     right: ArrayView2<f64>,
 ) {
     let root = units.len() - 1;
     upward(units, root, numbers, &|unit, below, own| {
-        let Numbers { panels, lanes, .. } = own;
+        let Numbers {
+            panels,
+            diagonal,
+            lanes,
+            ..
+        } = own;
         gather::<L>(unit, right, lanes);
         let lanes = lanes.as_chunks_mut::<L>().0;
-        for &child in &unit.below {
-            let child_numbers = &below[(child - unit.first) as usize];
-            let child = &units[child as usize];
-            let left_over = &child_numbers.lanes.as_chunks::<L>().0[child.columns.len()..];
-            for (&place, value) in child.boundary.iter().zip(left_over) {
-                add(&mut lanes[place as usize], value);
-            }
-        }
-        Arch::new().dispatch(Sweep::<L> {
+        add_left_over(units, unit, below, lanes);
+        Arch::new().dispatch(Sweep::<N, L> {
             unit,
-            panels,
+            factor: (panels, diagonal),
             x: lanes,
             is_upward: true,
         });
     });
     downward(units, root, numbers, &|unit, below, own| {
-        let Numbers { panels, lanes, .. } = own;
-        let lanes = lanes.as_chunks_mut::<L>().0;
-        Arch::new().dispatch(Sweep::<L> {
-            unit,
+        let Numbers {
             panels,
+            diagonal,
+            lanes,
+            ..
+        } = own;
+        let lanes = lanes.as_chunks_mut::<L>().0;
+        Arch::new().dispatch(Sweep::<N, L> {
+            unit,
+            factor: (panels, diagonal),
             x: &mut *lanes,
             is_upward: false,
         });
@@ -60,11 +64,29 @@ pub(super) fn solve<const L: usize>(
     });
 }
 
-/// Writes the last solutions. `places` has for each unknown its unit, and its column there.
-pub(super) fn write<const L: usize>(
+/// Adds to `lanes` what the units right below one leave over in its columns and boundary.
+pub(super) fn add_left_over<N, const L: usize>(
+    units: &[Unit],
+    unit: &Unit,
+    below: &[Numbers<N>],
+    lanes: &mut [Lanes<L>],
+) {
+    for &child in &unit.below {
+        let child_numbers = &below[(child - unit.first) as usize];
+        let child = &units[child as usize];
+        let left_over = &child_numbers.lanes.as_chunks::<L>().0[child.columns.len()..];
+        for (&place, value) in child.boundary.iter().zip(left_over) {
+            add(&mut lanes[place as usize], value);
+        }
+    }
+}
+
+/// Writes the last solutions, times `scale`. `places` has for each unknown its unit, and its column there.
+pub(super) fn write<N: Number, const L: usize>(
     places: &[(u32, u32)],
-    numbers: &[Numbers],
+    numbers: &[Numbers<N>],
     mut solutions: ArrayViewMut2<f64>,
+    scale: f64,
 ) {
     let lanes: Vec<&[Lanes<L>]> = numbers
         .iter()
@@ -72,14 +94,14 @@ pub(super) fn write<const L: usize>(
         .collect();
     for (lane, row) in solutions.rows_mut().into_iter().enumerate() {
         let solution = |value: &mut f64, &(unit, column): &(u32, u32)| {
-            *value = lanes[unit as usize][column as usize][lane];
+            *value = scale * lanes[unit as usize][column as usize][lane];
         };
         Zip::from(row).and(places).par_for_each(solution);
     }
 }
 
 /// The right-hand sides in a unit's columns, and zeros in its boundary.
-fn gather<const L: usize>(unit: &Unit, right: ArrayView2<f64>, lanes: &mut Vec<f64>) {
+pub(super) fn gather<const L: usize>(unit: &Unit, right: ArrayView2<f64>, lanes: &mut Vec<f64>) {
     lanes.clear();
     lanes.resize(L * (unit.columns.len() + unit.boundary.len()), 0.0);
     let lanes = lanes.as_chunks_mut::<L>().0;
@@ -90,68 +112,100 @@ fn gather<const L: usize>(unit: &Unit, right: ArrayView2<f64>, lanes: &mut Vec<f
     }
 }
 
+/// The columns of L, and the reciprocals of its diagonal.
+type Factor<'a, N> = (&'a [N], &'a [f64]);
+
 /// A way through one unit, with the instructions that the processor has.
-struct Sweep<'a, const L: usize> {
+struct Sweep<'a, N, const L: usize> {
     unit: &'a Unit,
-    panels: &'a [f64],
+    factor: Factor<'a, N>,
     x: &'a mut [Lanes<L>],
     is_upward: bool,
 }
 
-impl<const L: usize> WithSimd for Sweep<'_, L> {
+impl<N: Number, const L: usize> WithSimd for Sweep<'_, N, L> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        match self.is_upward {
-            true => up(self.unit, self.panels, self.x),
-            false => down(self.unit, self.panels, self.x),
+        let Self {
+            unit, factor, x, ..
+        } = self;
+        match (self.is_upward, is_fused::<S>()) {
+            (true, true) => up::<N, L, true>(unit, factor, x),
+            (true, false) => up::<N, L, false>(unit, factor, x),
+            (false, true) => down::<N, L, true>(unit, factor, x),
+            (false, false) => down::<N, L, false>(unit, factor, x),
         }
     }
 }
 
 /// x ← L⁻¹ x.
 #[inline(always)]
-fn up<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
+fn up<N: Number, const L: usize, const FUSED: bool>(
+    unit: &Unit,
+    (panels, diagonal): Factor<N>,
+    x: &mut [Lanes<L>],
+) {
     let mut sums: Vec<Lanes<L>> = Vec::new();
     for node in &unit.nodes {
         let (panel, rows, height, width) = parts(unit, panels, node);
         let own = &mut x[node.column..][..width];
         for column in 0..width {
             let values = &panel[column * height..][column..width];
-            let solved = own[column].map(|value| value * values[0]);
+            let scale = diagonal[node.column + column];
+            let solved = own[column].map(|value| value * scale);
             own[column] = solved;
             for (value, factor) in own[column + 1..].iter_mut().zip(&values[1..]) {
-                subtract(value, *factor, &solved);
+                subtract::<L, FUSED>(value, factor.to_double(), &solved);
             }
         }
-        sums.clear();
-        sums.resize(rows.len(), [0.0; L]);
-        let blocks = panel.chunks_exact(BLOCK * height);
-        for (block, own) in blocks.zip(own.chunks_exact(BLOCK)) {
-            let columns: [&[f64]; BLOCK] =
-                std::array::from_fn(|c| &block[c * height + width..(c + 1) * height]);
-            for (row, sum) in sums.iter_mut().enumerate() {
-                for c in 0..BLOCK {
-                    subtract(sum, columns[c][row], &own[c]);
-                }
+        let shape = (height, width);
+        subtract_below::<N, L, FUSED>(panel, rows, shape, node.column, x, &mut sums);
+    }
+}
+
+/// x −= A x₁, for the rows A of a panel below its diagonal block, x₁ in its columns; `sums` is room.
+#[inline(always)]
+pub(super) fn subtract_below<N: Number, const L: usize, const FUSED: bool>(
+    panel: &[N],
+    rows: &[u32],
+    (height, width): (usize, usize),
+    column: usize,
+    x: &mut [Lanes<L>],
+    sums: &mut Vec<Lanes<L>>,
+) {
+    let own = &x[column..][..width];
+    sums.clear();
+    sums.resize(rows.len(), [0.0; L]);
+    let blocks = panel.chunks_exact(BLOCK * height);
+    for (block, own) in blocks.zip(own.chunks_exact(BLOCK)) {
+        let columns: [&[N]; BLOCK] =
+            std::array::from_fn(|c| &block[c * height + width..(c + 1) * height]);
+        for (row, sum) in sums.iter_mut().enumerate() {
+            for c in 0..BLOCK {
+                subtract::<L, FUSED>(sum, columns[c][row].to_double(), &own[c]);
             }
         }
-        let columns = panel.chunks_exact(height).zip(&*own);
-        for (values, own) in columns.skip(width / BLOCK * BLOCK) {
-            for (sum, value) in sums.iter_mut().zip(&values[width..]) {
-                subtract(sum, *value, own);
-            }
+    }
+    let columns = panel.chunks_exact(height).zip(own);
+    for (values, own) in columns.skip(width / BLOCK * BLOCK) {
+        for (sum, value) in sums.iter_mut().zip(&values[width..]) {
+            subtract::<L, FUSED>(sum, value.to_double(), own);
         }
-        for (&row, sum) in rows.iter().zip(&sums) {
-            add(&mut x[row as usize], sum);
-        }
+    }
+    for (&row, sum) in rows.iter().zip(&*sums) {
+        add(&mut x[row as usize], sum);
     }
 }
 
 /// x ← L⁻ᵀ x.
 #[inline(always)]
-fn down<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
+fn down<N: Number, const L: usize, const FUSED: bool>(
+    unit: &Unit,
+    (panels, diagonal): Factor<N>,
+    x: &mut [Lanes<L>],
+) {
     let mut known: Vec<Lanes<L>> = Vec::new();
     for node in unit.nodes.iter().rev() {
         let (panel, rows, height, width) = parts(unit, panels, node);
@@ -167,58 +221,68 @@ fn down<const L: usize>(unit: &Unit, panels: &[f64], x: &mut [Lanes<L>]) {
             .chunks_exact(BLOCK * height)
             .zip(own.chunks_exact_mut(BLOCK))
         {
-            let columns: [&[f64]; BLOCK] =
+            let columns: [&[N]; BLOCK] =
                 std::array::from_fn(|c| &block[c * height + width..(c + 1) * height]);
             let mut sums: [Lanes<L>; BLOCK] = std::array::from_fn(|c| own[c]);
             for (row, known) in known.iter().enumerate() {
                 for c in 0..BLOCK {
-                    subtract(&mut sums[c], columns[c][row], known);
+                    subtract::<L, FUSED>(&mut sums[c], columns[c][row].to_double(), known);
                 }
             }
             own.copy_from_slice(&sums);
         }
         for column in done..width {
             let values = &panel[column * height..][width..height];
-            subtract_product(&mut own[column], values, &known);
+            subtract_product::<N, L, FUSED>(&mut own[column], values, &known);
         }
         for column in (0..width).rev() {
             let values = &panel[column * height..][column..width];
             let (own, solved) = own.split_at_mut(column + 1);
             let value = &mut own[column];
             for (factor, solved) in values[1..].iter().zip(solved) {
-                subtract(value, *factor, solved);
+                subtract::<L, FUSED>(value, factor.to_double(), solved);
             }
-            *value = value.map(|value| value * values[0]);
+            let scale = diagonal[node.column + column];
+            *value = value.map(|value| value * scale);
         }
     }
 }
 
 /// sum −= Σ factor x.
 #[inline(always)]
-fn subtract_product<const L: usize>(sum: &mut Lanes<L>, factors: &[f64], x: &[Lanes<L>]) {
+fn subtract_product<N: Number, const L: usize, const FUSED: bool>(
+    sum: &mut Lanes<L>,
+    factors: &[N],
+    x: &[Lanes<L>],
+) {
     let mut parts = [[0.0; L]; PARTS];
     let (blocks, rest) = factors.as_chunks::<PARTS>();
     let (x, x_rest) = x[..factors.len()].as_chunks::<PARTS>();
     for (factors, x) in blocks.iter().zip(x) {
         for part in 0..PARTS {
-            subtract(&mut parts[part], factors[part], &x[part]);
+            subtract::<L, FUSED>(&mut parts[part], factors[part].to_double(), &x[part]);
         }
     }
     for (part, (factor, x)) in parts.iter_mut().zip(rest.iter().zip(x_rest)) {
-        subtract(part, *factor, x);
+        subtract::<L, FUSED>(part, factor.to_double(), x);
     }
-    for part in &parts {
-        add(sum, part);
+    // By halves: none waits long for another.
+    for half in [PARTS / 2, PARTS / 4, PARTS / 8] {
+        for part in 0..half {
+            let other = parts[part + half];
+            add(&mut parts[part], &other);
+        }
     }
+    add(sum, &parts[0]);
 }
 
 /// Panel, rows below the diagonal block, height and width of a supernode.
 #[inline(always)]
-fn parts<'a>(
+fn parts<'a, N>(
     unit: &'a Unit,
-    panels: &'a [f64],
+    panels: &'a [N],
     node: &Node,
-) -> (&'a [f64], &'a [u32], usize, usize) {
+) -> (&'a [N], &'a [u32], usize, usize) {
     let (height, width) = (node.height, node.width);
     let rows = &unit.rows[node.rows..][..height - width];
     (&panels[node.panel..][..height * width], rows, height, width)
@@ -233,8 +297,11 @@ fn add<const L: usize>(sum: &mut Lanes<L>, value: &Lanes<L>) {
 
 /// sum −= factor x.
 #[inline(always)]
-fn subtract<const L: usize>(sum: &mut Lanes<L>, factor: f64, x: &Lanes<L>) {
+fn subtract<const L: usize, const FUSED: bool>(sum: &mut Lanes<L>, factor: f64, x: &Lanes<L>) {
     for lane in 0..L {
-        sum[lane] -= factor * x[lane];
+        sum[lane] = match FUSED {
+            true => (-factor).mul_add(x[lane], sum[lane]),
+            false => sum[lane] - factor * x[lane],
+        };
     }
 }

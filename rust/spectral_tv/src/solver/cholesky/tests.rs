@@ -1,6 +1,6 @@
 //! Tests of what the factorization promises.
 
-use ndarray::{Array2, arr2};
+use ndarray::{Array2, arr1, arr2};
 use proptest::prelude::*;
 use sprs::{CsMatI, TriMatI};
 
@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::solver::Cholesky;
 use crate::solver::cholesky::Symbolic;
+use crate::solver::cholesky::number::Number;
 use crate::solver::cholesky::supernodes::Supernodes;
 use crate::solver::cholesky::units;
 use crate::solver::examples::{irregular, lattice, random, system_of};
@@ -48,7 +49,7 @@ fn prepared(lower: &CsMatI<f64, u32>, smallest: Option<usize>, least_work: f64) 
     .unwrap()
 }
 
-fn analysed(lower: &CsMatI<f64, u32>) -> Cholesky {
+fn analysed<N: Number>(lower: &CsMatI<f64, u32>) -> Cholesky<N> {
     Cholesky::analyse(lower, Monitor::new().whole()).unwrap()
 }
 
@@ -93,9 +94,53 @@ fn a_factor_serves_all_matrices_of_its_pattern() {
     assert!(error(&mut cholesky, &first, 2) < 1e-12);
 }
 
+/// The largest error of solutions of the matrix with these row sums, by single precision, relative to the
+/// largest of what is to be found: functions about 1.
+fn error_in_single(lower: &CsMatI<f64, u32>, masses: &[f64]) -> f64 {
+    let expected = 1.0 + functions(3, lower.cols());
+    // Difference by difference: masses are far smaller than rounding of the products.
+    let mut right = &expected * &arr1(masses);
+    for (value, (row, column)) in lower.iter() {
+        let (row, column) = (row as usize, column as usize);
+        for channel in 0..3 {
+            let difference = value * (expected[[channel, column]] - expected[[channel, row]]);
+            right[[channel, row]] += difference;
+            right[[channel, column]] -= difference;
+        }
+    }
+    let couplings: Vec<f64> = lower.iter().map(|(value, _)| -value).collect();
+    let mut cholesky = analysed::<f32>(lower);
+    let stage = Monitor::new();
+    let outcome = cholesky.factorize_laplacian(masses, (&couplings, 1.0), stage.whole());
+    outcome.unwrap();
+    let error = cholesky.solve(right.view()) - expected;
+    error.iter().fold(0.0_f64, |max, e| max.max(e.abs()))
+}
+
+#[test]
+fn single_precision_keeps_masses_far_below_its_rounding() {
+    for mass in [1.0, 1e-4, 1e-8, 1e-12] {
+        // The first has wide fronts.
+        for (lower, masses) in [lattice(120, 110, mass), lattice(300, 5, mass)] {
+            assert!(error_in_single(&lower, &masses) < 1e-4);
+        }
+    }
+}
+
+#[test]
+fn single_precision_has_room_for_any_unit() {
+    for unit in [1e-40, 1.0, 1e40] {
+        let (mut lower, masses) = lattice(60, 50, 0.01);
+        lower.data_mut().iter_mut().for_each(|value| *value *= unit);
+        let masses: Vec<f64> = masses.iter().map(|mass| mass * unit).collect();
+        assert!(error_in_single(&lower, &masses) < 1e-5);
+    }
+}
+
 #[test]
 fn threads_make_no_difference() {
     let (lower, masses) = lattice(150, 140, 1e-3);
+    let couplings: Vec<f64> = lower.iter().map(|(value, _)| -value).collect();
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.unwrap().install(|| {
@@ -104,7 +149,10 @@ fn threads_make_no_difference() {
             factorize(&mut cholesky, &lower).unwrap();
             let mut solutions = functions(3, masses.len());
             cholesky.solve_in_place(&mut solutions);
-            solutions
+            let (mut single, stage) = (analysed::<f32>(&lower), Monitor::new());
+            let outcome = single.factorize_laplacian(&masses, (&couplings, 1.0), stage.whole());
+            outcome.unwrap();
+            (single.solve(solutions.view()), solutions)
         })
     };
     assert_eq!(with(1), with(4));
@@ -158,7 +206,7 @@ fn cancelling_ends_analysis_and_factorization() {
     monitor.cancel();
     let stage = monitor.whole();
     assert_eq!(
-        Cholesky::analyse(&lower, stage).err(),
+        Cholesky::<f64>::analyse(&lower, stage).err(),
         Some(Error::Cancelled)
     );
     assert_eq!(cholesky.factorize(&lower, stage), Err(Error::Cancelled));

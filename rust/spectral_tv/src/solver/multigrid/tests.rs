@@ -38,7 +38,7 @@ fn solved(
 
 fn factorized(lower: &CsMatI<f64, u32>, right: &Array2<f64>) -> Array2<f64> {
     let monitor = Monitor::new();
-    let mut cholesky = Cholesky::analyse(lower, monitor.whole()).unwrap();
+    let mut cholesky: Cholesky = Cholesky::analyse(lower, monitor.whole()).unwrap();
     cholesky.factorize(lower, monitor.whole()).unwrap();
     let mut solution = right.clone();
     cholesky.solve_in_place(&mut solution);
