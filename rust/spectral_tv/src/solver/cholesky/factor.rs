@@ -11,27 +11,13 @@ use pulp::{Arch, Simd, WithSimd};
 use sprs::CsMatI;
 
 use crate::error::Result;
-use crate::memory::zeros;
 use crate::monitor::Stage;
 use crate::solver::cholesky::front::{Sums, eliminate, subtract_square};
-use crate::solver::cholesky::number::Number;
-use crate::solver::cholesky::solve::{add_left_over, gather, subtract_below};
+use crate::solver::cholesky::lanes::{add_left_over, gather, subtract_below};
+use crate::solver::cholesky::number::{Number, Numbers, is_fused};
 use crate::solver::cholesky::tree::upward;
 use crate::solver::cholesky::units::Unit;
 use crate::solver::cholesky::wide;
-
-/// The numbers of one unit.
-#[derive(Debug)]
-pub struct Numbers<N> {
-    /// The columns of L, supernode by supernode.
-    pub(super) panels: Vec<N>,
-    /// The reciprocals of its diagonal.
-    pub(super) diagonal: Vec<f64>,
-    /// Updates in the making; at last that of the root, at the start.
-    stack: Vec<N>,
-    /// The functions solved for, in columns and boundary. While it is factorized, what rows sum to.
-    pub(super) lanes: Vec<f64>,
-}
 
 /// A matrix to be factorized.
 #[derive(Clone, Copy)]
@@ -51,21 +37,6 @@ impl<'a> Matrix<'a> {
             scale: 1.0,
             sums: None,
         }
-    }
-}
-
-impl<N: Number> Numbers<N> {
-    /// For a unit.
-    ///
-    /// # Errors
-    /// [`crate::Error::Memory`].
-    pub(super) fn new(unit: &Unit, what: &str, advice: &str) -> Result<Self> {
-        Ok(Self {
-            panels: zeros(unit.panel_length, what, advice)?,
-            diagonal: zeros(unit.columns.len(), what, advice)?,
-            stack: zeros(unit.stack_length, what, advice)?,
-            lanes: Vec::new(),
-        })
     }
 }
 
@@ -191,12 +162,6 @@ impl<N: Number> Fronts<'_, N> {
         }
         true
     }
-}
-
-/// Whether a processor multiplies and adds at once: all with wide registers do.
-#[inline(always)]
-pub(super) fn is_fused<S: Simd>() -> bool {
-    S::F64_LANES > 1
 }
 
 /// Adds what a supernode leaves over to the front above, which consists of `panel` and `update`.

@@ -9,6 +9,7 @@
 mod dissection;
 mod factor;
 mod front;
+mod lanes;
 mod number;
 mod part;
 mod separator;
@@ -20,6 +21,7 @@ mod tree;
 mod units;
 mod wide;
 
+use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
@@ -30,8 +32,8 @@ use crate::error::{Error, Result};
 use crate::monitor::Stage;
 use crate::parallel;
 use crate::solver::scratch;
-use factor::{Matrix, Numbers};
-use number::Number;
+use factor::Matrix;
+use number::{Number, Numbers};
 use supernodes::Supernodes;
 use units::Unit;
 
@@ -61,13 +63,12 @@ const LARGE: usize = 100_000;
 pub struct Symbolic(Arc<Found>);
 
 #[derive(Debug, Default)]
-pub struct Found {
+struct Found {
     by_degree: OnceLock<Supernodes>,
     units: OnceLock<Arc<Units>>,
-    /// Room that a factorization left, for the next one: to have it from the system takes as long
-    /// as a factorization.
-    spare: Mutex<Option<Vec<Numbers<f64>>>>,
-    spare_in_single: Mutex<Option<Vec<Numbers<f32>>>>,
+    /// Room that a factorization left, `Vec<Numbers<N>>`, for the next one of its precision: to have
+    /// it from the system takes as long as a factorization.
+    spare: Mutex<Option<Box<dyn Any + Send>>>,
 }
 
 impl Symbolic {
@@ -151,8 +152,8 @@ pub struct Cholesky<N: Number = f64> {
 
 impl<N: Number> Drop for Cholesky<N> {
     fn drop(&mut self) {
-        if let Ok(mut spare) = N::spare(&self.symbolic.0).lock() {
-            *spare = Some(std::mem::take(&mut self.numbers));
+        if let Ok(mut spare) = self.symbolic.0.spare.lock() {
+            *spare = Some(Box::new(std::mem::take(&mut self.numbers)));
         }
     }
 }
@@ -178,10 +179,10 @@ impl<N: Number> Cholesky<N> {
     }
 
     fn in_units(units: Arc<Units>, symbolic: Symbolic, stage: Stage) -> Result<Self> {
-        let spare = N::spare(&symbolic.0).lock();
+        let spare = symbolic.0.spare.lock();
         let left = spare.ok().and_then(|mut spare| spare.take());
-        let numbers = match left {
-            Some(numbers) => numbers,
+        let numbers = match left.and_then(|left| left.downcast().ok()) {
+            Some(numbers) => *numbers,
             None => {
                 let units = &units.units;
                 let sizes = units

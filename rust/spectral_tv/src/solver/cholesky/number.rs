@@ -1,12 +1,13 @@
 //! The numbers of a factor: in double precision, or in single where solutions need not be exact.
 
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
-use std::sync::Mutex;
 
 use faer::traits::RealField;
+use pulp::Simd;
 
-use crate::solver::cholesky::Found;
-use crate::solver::cholesky::factor::Numbers;
+use crate::error::Result;
+use crate::memory::zeros;
+use crate::solver::cholesky::units::Unit;
 
 /// f64 or f32.
 pub trait Number:
@@ -47,8 +48,6 @@ pub trait Number:
     fn is_usable(self) -> bool;
     /// `self` · `factor` + `sum`, rounded once.
     fn fused(self, factor: Self, sum: Self) -> Self;
-    /// Where a factorization leaves its room.
-    fn spare(found: &Found) -> &Mutex<Option<Vec<Numbers<Self>>>>;
 
     /// 0 instead of a tiny number.
     #[inline(always)]
@@ -61,7 +60,7 @@ pub trait Number:
 }
 
 macro_rules! number {
-    ($number:ident, $is_single:literal, $tiny:literal, $spare:ident) => {
+    ($number:ident, $is_single:literal, $tiny:literal) => {
         impl Number for $number {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -97,13 +96,43 @@ macro_rules! number {
             fn fused(self, factor: Self, sum: Self) -> Self {
                 self.mul_add(factor, sum)
             }
-
-            fn spare(found: &Found) -> &Mutex<Option<Vec<Numbers<Self>>>> {
-                &found.$spare
-            }
         }
     };
 }
 
-number!(f64, false, 0.0, spare);
-number!(f32, true, 1e-15, spare_in_single);
+number!(f64, false, 0.0);
+number!(f32, true, 1e-15);
+
+/// Whether a processor multiplies and adds at once: all with wide registers do.
+#[inline(always)]
+pub(super) fn is_fused<S: Simd>() -> bool {
+    S::F64_LANES > 1
+}
+
+/// The numbers of one unit.
+#[derive(Debug)]
+pub struct Numbers<N> {
+    /// The columns of L, supernode by supernode.
+    pub(super) panels: Vec<N>,
+    /// The reciprocals of its diagonal.
+    pub(super) diagonal: Vec<f64>,
+    /// Updates in the making; at last that of the root, at the start.
+    pub(super) stack: Vec<N>,
+    /// The functions solved for, in columns and boundary. While it is factorized, what rows sum to.
+    pub(super) lanes: Vec<f64>,
+}
+
+impl<N: Number> Numbers<N> {
+    /// For a unit.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub(super) fn new(unit: &Unit, what: &str, advice: &str) -> Result<Self> {
+        Ok(Self {
+            panels: zeros(unit.panel_length, what, advice)?,
+            diagonal: zeros(unit.columns.len(), what, advice)?,
+            stack: zeros(unit.stack_length, what, advice)?,
+            lanes: Vec::new(),
+        })
+    }
+}

@@ -3,15 +3,13 @@
 use ndarray::{ArrayView2, ArrayViewMut2, Zip};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::solver::cholesky::factor::{Numbers, is_fused};
-use crate::solver::cholesky::number::Number;
+use crate::solver::cholesky::lanes::{
+    BLOCK, Lanes, add, add_left_over, gather, subtract, subtract_below,
+};
+use crate::solver::cholesky::number::{Number, Numbers, is_fused};
 use crate::solver::cholesky::tree::{downward, upward};
 use crate::solver::cholesky::units::{Node, Unit};
 
-type Lanes<const L: usize> = [f64; L];
-
-/// Columns that rows are read once for.
-const BLOCK: usize = 4;
 /// Parts of a sum down a column that do not wait for each other. They are the same whatever the registers.
 const PARTS: usize = 8;
 
@@ -64,23 +62,6 @@ pub(super) fn solve<N: Number, const L: usize>(
     });
 }
 
-/// Adds to `lanes` what the units right below one leave over in its columns and boundary.
-pub(super) fn add_left_over<N, const L: usize>(
-    units: &[Unit],
-    unit: &Unit,
-    below: &[Numbers<N>],
-    lanes: &mut [Lanes<L>],
-) {
-    for &child in &unit.below {
-        let child_numbers = &below[(child - unit.first) as usize];
-        let child = &units[child as usize];
-        let left_over = &child_numbers.lanes.as_chunks::<L>().0[child.columns.len()..];
-        for (&place, value) in child.boundary.iter().zip(left_over) {
-            add(&mut lanes[place as usize], value);
-        }
-    }
-}
-
 /// Writes the last solutions, times `scale`. `places` has for each unknown its unit, and its column there.
 pub(super) fn write<N: Number, const L: usize>(
     places: &[(u32, u32)],
@@ -97,18 +78,6 @@ pub(super) fn write<N: Number, const L: usize>(
             *value = scale * lanes[unit as usize][column as usize][lane];
         };
         Zip::from(row).and(places).par_for_each(solution);
-    }
-}
-
-/// The right-hand sides in a unit's columns, and zeros in its boundary.
-pub(super) fn gather<const L: usize>(unit: &Unit, right: ArrayView2<f64>, lanes: &mut Vec<f64>) {
-    lanes.clear();
-    lanes.resize(L * (unit.columns.len() + unit.boundary.len()), 0.0);
-    let lanes = lanes.as_chunks_mut::<L>().0;
-    for (lane, row) in right.rows().into_iter().enumerate() {
-        for (&vertex, lanes) in unit.columns.iter().zip(&mut *lanes) {
-            lanes[lane] = row[vertex as usize];
-        }
     }
 }
 
@@ -162,40 +131,6 @@ fn up<N: Number, const L: usize, const FUSED: bool>(
         }
         let shape = (height, width);
         subtract_below::<N, L, FUSED>(panel, rows, shape, node.column, x, &mut sums);
-    }
-}
-
-/// x −= A x₁, for the rows A of a panel below its diagonal block, x₁ in its columns; `sums` is room.
-#[inline(always)]
-pub(super) fn subtract_below<N: Number, const L: usize, const FUSED: bool>(
-    panel: &[N],
-    rows: &[u32],
-    (height, width): (usize, usize),
-    column: usize,
-    x: &mut [Lanes<L>],
-    sums: &mut Vec<Lanes<L>>,
-) {
-    let own = &x[column..][..width];
-    sums.clear();
-    sums.resize(rows.len(), [0.0; L]);
-    let blocks = panel.chunks_exact(BLOCK * height);
-    for (block, own) in blocks.zip(own.chunks_exact(BLOCK)) {
-        let columns: [&[N]; BLOCK] =
-            std::array::from_fn(|c| &block[c * height + width..(c + 1) * height]);
-        for (row, sum) in sums.iter_mut().enumerate() {
-            for c in 0..BLOCK {
-                subtract::<L, FUSED>(sum, columns[c][row].to_double(), &own[c]);
-            }
-        }
-    }
-    let columns = panel.chunks_exact(height).zip(own);
-    for (values, own) in columns.skip(width / BLOCK * BLOCK) {
-        for (sum, value) in sums.iter_mut().zip(&values[width..]) {
-            subtract::<L, FUSED>(sum, value.to_double(), own);
-        }
-    }
-    for (&row, sum) in rows.iter().zip(&*sums) {
-        add(&mut x[row as usize], sum);
     }
 }
 
@@ -286,22 +221,4 @@ fn parts<'a, N>(
     let (height, width) = (node.height, node.width);
     let rows = &unit.rows[node.rows..][..height - width];
     (&panels[node.panel..][..height * width], rows, height, width)
-}
-
-#[inline(always)]
-fn add<const L: usize>(sum: &mut Lanes<L>, value: &Lanes<L>) {
-    for lane in 0..L {
-        sum[lane] += value[lane];
-    }
-}
-
-/// sum −= factor x.
-#[inline(always)]
-fn subtract<const L: usize, const FUSED: bool>(sum: &mut Lanes<L>, factor: f64, x: &Lanes<L>) {
-    for lane in 0..L {
-        sum[lane] = match FUSED {
-            true => (-factor).mul_add(x[lane], sum[lane]),
-            false => sum[lane] - factor * x[lane],
-        };
-    }
 }
