@@ -1,9 +1,12 @@
 //! The graph of a symmetric matrix: its vertices are the rows, its edges the couplings.
 
+use std::ops::Range;
+
 use sprs::CsMatI;
 
 use crate::error::Result;
 use crate::monitor::Stage;
+use crate::parallel;
 
 /// The neighbours of every vertex in order, each with the entry of the lower triangle that couples them.
 #[derive(Debug, Clone)]
@@ -62,6 +65,79 @@ impl Graph {
         })
     }
 
+    /// The graph of a symmetric matrix of `size` rows, given what `list` adds to an empty list for each vertex:
+    /// its neighbours in order. Threads share the work.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn listed(
+        size: usize,
+        list: impl Fn(usize, &mut Vec<u32>) + Sync + Send,
+        stage: Stage,
+    ) -> Result<Self> {
+        let piece = |vertices: Range<usize>| {
+            let (mut ends, mut others) = (Vec::with_capacity(vertices.len()), Vec::new());
+            let mut own = Vec::new();
+            for vertex in vertices {
+                own.clear();
+                list(vertex, &mut own);
+                others.extend_from_slice(&own);
+                ends.push(others.len() as u32);
+            }
+            (ends, others)
+        };
+        let (ends, others): (Vec<_>, Vec<_>) = stage
+            .pass(|| parallel::parts(size, piece))?
+            .into_iter()
+            .unzip();
+        let mut starts = Vec::with_capacity(size + 1);
+        starts.push(0);
+        for ends in ends {
+            let first = starts[starts.len() - 1];
+            starts.extend(ends.iter().map(|end| first + end));
+        }
+        let others = stage.pass(|| others.concat())?;
+        let others_of =
+            |vertex: usize| &others[starts[vertex] as usize..starts[vertex + 1] as usize];
+        let earlier = |vertex: usize| {
+            others_of(vertex).partition_point(|&other| (other as usize) < vertex) as u32
+        };
+        let earlier = stage.pass(|| parallel::values(size, earlier))?;
+        // Where the entries below the diagonal begin in each column.
+        let mut next = 0;
+        let column = |(vertex, &earlier): (usize, &u32)| {
+            let begin = next + 1;
+            next = begin + others_of(vertex).len() as u32 - earlier;
+            begin
+        };
+        let columns: Vec<u32> = earlier.iter().enumerate().map(column).collect();
+        let entry = |column: usize, place: usize| columns[column] + place as u32 - earlier[column];
+        let piece = |vertices: Range<usize>| {
+            let mut neighbours = Vec::new();
+            for vertex in vertices {
+                let own = others_of(vertex).iter().enumerate();
+                neighbours.extend(own.map(|(place, &other)| {
+                    let entry = match other as usize > vertex {
+                        true => entry(vertex, place),
+                        false => {
+                            let others = others_of(other as usize);
+                            let before = |&own: &u32| (own as usize) < vertex;
+                            entry(other as usize, others.partition_point(before))
+                        }
+                    };
+                    (other, entry)
+                }));
+            }
+            neighbours
+        };
+        let neighbours = stage.pass(|| parallel::parts(size, piece).concat())?;
+        Ok(Self {
+            starts,
+            neighbours,
+            is_breadth_first: false,
+        })
+    }
+
     /// Number of entries in a lower triangle with this graph and a whole diagonal.
     pub fn entry_count(&self) -> usize {
         self.size() + self.neighbours.len() / 2
@@ -92,5 +168,42 @@ impl Graph {
     /// The neighbours of one.
     pub fn neighbours_of(&self, vertex: usize) -> &[(u32, u32)] {
         &self.neighbours[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Monitor;
+
+    #[test]
+    fn lists_of_neighbours_give_the_graph_of_the_matrix() {
+        // A lattice in two pieces for threads.
+        let (rows, columns) = (90, 100);
+        let size = rows * columns;
+        let list = |vertex: usize, others: &mut Vec<u32>| {
+            let (row, column) = (vertex / columns, vertex % columns);
+            let around = [
+                (row > 0, vertex.wrapping_sub(columns)),
+                (column > 0, vertex.wrapping_sub(1)),
+                (column + 1 < columns, vertex + 1),
+                (row + 1 < rows, vertex + columns),
+            ];
+            others.extend(
+                around
+                    .iter()
+                    .filter(|(is_there, _)| *is_there)
+                    .map(|&(_, v)| v as u32),
+            );
+        };
+        let monitor = Monitor::new();
+        let graph = Graph::listed(size, list, monitor.whole()).unwrap();
+        let edges = rows * (columns - 1) + (rows - 1) * columns;
+        assert_eq!(graph.entry_count(), size + edges);
+        let same = Graph::new(&graph.lower_triangle(), monitor.whole()).unwrap();
+        assert_eq!(
+            (graph.starts, graph.neighbours),
+            (same.starts, same.neighbours)
+        );
     }
 }

@@ -56,22 +56,14 @@ impl Numbering {
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn renumbered(&self, graph: &Graph, stage: Stage) -> Result<Graph> {
-        let mut columns = Vec::with_capacity(graph.size() + 1);
-        let mut rows = Vec::with_capacity(graph.entry_count());
-        columns.push(0);
-        stage.for_each(self.order.iter().enumerate(), |(place, &vertex)| {
-            let column = place as u32;
-            let neighbours = graph.neighbours_of(vertex as usize).iter();
-            let neighbours = neighbours.map(|(other, _)| self.places[*other as usize]);
-            rows.push(column);
-            let first = rows.len();
-            rows.extend(neighbours.filter(|&row| row > column));
-            rows[first..].sort_unstable();
-            columns.push(rows.len() as u32);
-        })?;
+        let list = |place: usize, others: &mut Vec<u32>| {
+            let neighbours = graph.neighbours_of(self.order[place] as usize).iter();
+            others.extend(neighbours.map(|(other, _)| self.places[*other as usize]));
+            others.sort_unstable();
+        };
         Ok(Graph {
             is_breadth_first: true,
-            ..Graph::of_columns(&columns, &rows, stage)?
+            ..Graph::listed(graph.size(), list, stage)?
         })
     }
 

@@ -39,10 +39,15 @@ impl<'a> StepSystem<'a> {
         demand: Demand,
         stage: Stage<'a>,
     ) -> Result<Self> {
-        operators.prepare_edges(stage)?;
+        let prepare = || {
+            operators.prepare_edges(stage)?;
+            stage.pass(|| Means::new(operators))
+        };
+        // An analysis has work for one thread for the most part.
+        let (solver, means) = rayon::join(|| operators.solver(solver, demand, stage), prepare);
         Ok(Self {
-            means: stage.pass(|| Means::new(operators))?,
-            solver: operators.solver(solver, demand, stage)?,
+            means: means?,
+            solver: solver?,
             operators,
             law,
             stage,

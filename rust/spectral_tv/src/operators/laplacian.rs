@@ -7,6 +7,7 @@ use sprs::CsMatI;
 use crate::error::Result;
 use crate::graph::Graph;
 use crate::monitor::Stage;
+use crate::operators::grouped::grouped;
 use crate::operators::{FaceVector, Gradient};
 use crate::parallel;
 
@@ -150,55 +151,21 @@ pub fn element_stiffness(hats: &[FaceVector; 3], scale: f64) -> [f64; 3] {
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub(crate) fn graph_of(triangles: &[[u32; 3]], vertices: usize, stage: Stage) -> Result<Graph> {
-    let (column_starts, rows) = sorted_columns(triangles, vertices, stage)?;
-    Graph::of_columns(&column_starts, &rows, stage)
-}
-
-/// The lower triangle's row indices, sorted, column by column, the diagonal first, and where
-/// each column begins.
-fn sorted_columns(
-    triangles: &[[u32; 3]],
-    size: usize,
-    stage: Stage,
-) -> Result<(Vec<u32>, Vec<u32>)> {
-    let edges = || {
-        let sides = |&[i, j, k]: &[u32; 3]| [(i, j), (j, k), (k, i)];
-        triangles.iter().flat_map(sides)
-    };
-    // Room for each edge as often as it occurs, and for the diagonal.
-    let mut counts = vec![1_u32; size];
-    stage.for_each(edges(), |(p, q)| counts[p.min(q) as usize] += 1)?;
-    let mut ends = Vec::with_capacity(size);
-    let mut rows = Vec::new();
-    stage.for_each(counts.iter().enumerate(), |(column, count)| {
-        rows.push(column as u32);
-        ends.push(rows.len());
-        rows.resize(rows.len() + *count as usize - 1, 0);
-    })?;
-    stage.for_each(edges(), |(p, q)| {
-        let end = &mut ends[p.min(q) as usize];
-        rows[*end] = p.max(q);
-        *end += 1;
-    })?;
-    let mut column_starts = Vec::with_capacity(size + 1);
-    column_starts.push(0);
-    let (mut read, mut written) = (0, 0);
-    stage.for_each(ends, |end| {
-        rows[read..end].sort_unstable();
-        let first = written;
-        for place in read..end {
-            let row = rows[place];
-            if written == first || rows[written - 1] != row {
-                rows[written] = row;
-                written += 1;
+    let (starts, corners) = grouped(triangles.as_flattened(), vertices, stage)?;
+    let list = |vertex: usize, others: &mut Vec<u32>| {
+        let corners = &corners[starts[vertex] as usize..starts[vertex + 1] as usize];
+        for turn in [1, 2] {
+            for &corner in corners {
+                let other = triangles[corner as usize / 3][(corner as usize + turn) % 3];
+                // There are few: to look through them takes less time than to sort twice as many.
+                if other as usize != vertex && !others.contains(&other) {
+                    others.push(other);
+                }
             }
         }
-        column_starts.push(written as u32);
-        read = end;
-    })?;
-    rows.truncate(written);
-    rows.shrink_to_fit();
-    Ok((column_starts, rows))
+        others.sort_unstable();
+    };
+    Graph::listed(vertices, list, stage)
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Units: parts of the elimination tree, each the work of one thread. The tree of units says which
 //! of them wait for which.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use sprs::CsMatI;
 
@@ -185,22 +187,28 @@ impl Builder<'_> {
     /// Gives every row its place in its unit, and in the front above.
     fn place_rows(&mut self, stage: Stage) -> Result<()> {
         let nodes = self.nodes;
-        let placed = |index| {
+        let placed = |index: usize, placed: &mut Vec<(u32, u32)>| {
             let (owner, parent) = (self.owners[index] as usize, nodes.parents[index] as usize);
-            let rows = nodes.rows(index).iter();
-            let placed = rows.map(|&row| {
-                let above = front_row(nodes, parent, row);
-                (self.local(owner, row), above as u32)
-            });
-            placed.collect::<Vec<_>>()
+            let place = |&row: &u32| (self.local(owner, row), front_row(nodes, parent, row) as u32);
+            placed.extend(nodes.rows(index).iter().map(place));
         };
-        let placed = stage.pass(|| parallel::values(nodes.len(), placed))?;
-        stage.for_each(placed.into_iter().enumerate(), |(index, placed)| {
-            let unit = &mut self.units[self.owners[index] as usize];
-            unit.nodes[self.indices[index] as usize].rows = unit.rows.len();
-            unit.rows.extend(placed.iter().map(|&(row, _)| row));
-            unit.places.extend(placed.iter().map(|&(_, above)| above));
-        })?;
+        let piece = |indices: Range<usize>| {
+            let mut rows = Vec::new();
+            indices.clone().for_each(|index| placed(index, &mut rows));
+            (indices, rows)
+        };
+        let pieces = stage.pass(|| parallel::parts(nodes.len(), piece))?;
+        for (indices, rows) in pieces {
+            let mut rows = &rows[..];
+            stage.for_each(indices, |index| {
+                let (own, rest) = rows.split_at(nodes.rows(index).len());
+                rows = rest;
+                let unit = &mut self.units[self.owners[index] as usize];
+                unit.nodes[self.indices[index] as usize].rows = unit.rows.len();
+                unit.rows.extend(own.iter().map(|&(row, _)| row));
+                unit.places.extend(own.iter().map(|&(_, above)| above));
+            })?;
+        }
         for index in 0..self.units.len() {
             if let Some(above) = self.unit_above(index) {
                 let rows = nodes.rows(self.roots[index] as usize).iter();
@@ -285,12 +293,15 @@ impl Builder<'_> {
                 (node.panel + offset + front_row(nodes, index, row)) as u32,
             )
         };
-        let in_column = |column: usize| {
-            let rows = &lower.indices()[starts[column] as usize..starts[column + 1] as usize];
-            let placed = rows.iter().map(|&row| place([column, row as usize]));
-            placed.collect::<Vec<_>>()
+        let in_columns = |columns: Range<usize>| {
+            let in_column = |column: usize| {
+                let rows = &lower.indices()[starts[column] as usize..starts[column + 1] as usize];
+                let place = &place;
+                rows.iter().map(move |&row| place([column, row as usize]))
+            };
+            columns.flat_map(in_column).collect::<Vec<_>>()
         };
-        let placed = stage.pass(|| parallel::values(lower.cols(), in_column))?;
+        let placed = stage.pass(|| parallel::parts(lower.cols(), in_columns))?;
         stage.for_each(
             (0..).zip(placed.into_iter().flatten()),
             |(entry, (owner, place))| {
