@@ -18,9 +18,9 @@ struct Charbonnier {
 }
 
 impl Law for Charbonnier {
-    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        let weight = |n: &f64| 1.0 / (1.0 + (n / self.steep).powi(2)).sqrt();
-        gradient_norms.iter().map(weight).collect()
+    fn weigh(&self, gradient_norms: &mut [f64]) {
+        let weight = |n: f64| 1.0 / (1.0 + (n / self.steep).powi(2)).sqrt();
+        gradient_norms.iter_mut().for_each(|n| *n = weight(*n));
     }
 }
 

@@ -26,6 +26,17 @@ where
     items.map(image).collect()
 }
 
+/// `values` after `change`, which threads do part by part.
+pub(crate) fn changed(values: &[f64], change: impl Fn(&mut [f64]) + Sync + Send) -> Vec<f64> {
+    let mut result = filled(0.0, values.len());
+    let parts = result.par_chunks_mut(SHARE).zip(values.par_chunks(SHARE));
+    parts.for_each(|(result, values)| {
+        result.copy_from_slice(values);
+        change(result);
+    });
+    result
+}
+
 /// `count` times the same value. All threads write it: memory that an allocator has cleared, on one thread, may
 /// besides be one shared page of zeros, which is copied where something is added to it.
 pub(crate) fn filled<T: Copy + Send + Sync>(value: T, count: usize) -> Vec<T> {

@@ -52,11 +52,11 @@ impl ConformalLaplace {
 }
 
 impl Law for ConformalLaplace {
-    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        // The initial norm is √2 on every face, so the floor is relative to it.
-        parallel::map(gradient_norms, |norm| {
-            norm.max(WEIGHT_FLOOR).powi(self.exponent)
-        })
+    fn weigh(&self, gradient_norms: &mut [f64]) {
+        for norm in gradient_norms {
+            // The initial norm is √2 on every face, so the floor is relative to it.
+            *norm = norm.max(WEIGHT_FLOOR).powi(self.exponent);
+        }
     }
 
     fn is_linear(&self) -> bool {

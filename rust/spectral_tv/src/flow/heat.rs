@@ -7,8 +7,8 @@ use crate::flow::law::Law;
 pub struct Heat;
 
 impl Law for Heat {
-    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        vec![1.0; gradient_norms.len()]
+    fn weigh(&self, gradient_norms: &mut [f64]) {
+        gradient_norms.fill(1.0);
     }
 
     fn is_linear(&self) -> bool {

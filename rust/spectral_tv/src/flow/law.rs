@@ -2,11 +2,18 @@
 
 use ndarray::ArrayView2;
 
+use crate::parallel;
+
 /// The law of a diffusion whose face weights depend on the size of the gradient alone.
 pub trait Law: Sync {
-    /// The weight w of every face from n = |∇u| there, over all channels, in the metric g₀.
+    /// Replaces n = |∇u| of some faces, over all channels, in the metric g₀, by their weights w.
     /// n w(n) must not fall as n grows: a step then minimises a convex energy.
-    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64>;
+    fn weigh(&self, gradient_norms: &mut [f64]);
+
+    /// The weights of all faces.
+    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
+        parallel::changed(gradient_norms, |norms| self.weigh(norms))
+    }
 
     /// Whether the weights are constants.
     fn is_linear(&self) -> bool {

@@ -63,7 +63,7 @@ impl TotalVariation {
 }
 
 impl Law for TotalVariation {
-    fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
+    fn weigh(&self, gradient_norms: &mut [f64]) {
         let variation = match self.is_total_variation() {
             true => Variation::smoothed(SMOOTHING * self.gradient),
             false => Variation {
@@ -71,7 +71,7 @@ impl Law for TotalVariation {
                 steepest: self.gradient,
             },
         };
-        variation.weights(gradient_norms)
+        variation.weigh(gradient_norms);
     }
 
     fn is_total_variation(&self) -> bool {

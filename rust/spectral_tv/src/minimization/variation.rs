@@ -32,13 +32,23 @@ impl Variation {
 
     /// w = Ψ′(n)/n of every face.
     pub fn weights(&self, gradient_norms: &[f64]) -> Vec<f64> {
-        let weight = |smoothed: f64| smoothed.min(self.steepest).recip();
-        match PLAIN.contains(&self.epsilon) {
-            true => {
-                let square = self.epsilon * self.epsilon;
-                parallel::map(gradient_norms, |norm| weight((norm * norm + square).sqrt()))
+        parallel::changed(gradient_norms, |norms| self.weigh(norms))
+    }
+
+    /// Replaces n of some faces by w.
+    pub fn weigh(&self, gradient_norms: &mut [f64]) {
+        // Copies, so that they stay in registers.
+        let Self { epsilon, steepest } = *self;
+        let weight = |smoothed: f64| smoothed.min(steepest).recip();
+        if PLAIN.contains(&epsilon) {
+            let square = epsilon * epsilon;
+            for norm in gradient_norms {
+                *norm = weight((*norm * *norm + square).sqrt());
             }
-            false => parallel::map(gradient_norms, |norm| weight(self.smoothed_norm(*norm))),
+        } else {
+            for norm in gradient_norms {
+                *norm = weight(self.smoothed_norm(*norm));
+            }
         }
     }
 
