@@ -75,64 +75,32 @@ impl Graph {
         list: impl Fn(usize, &mut Vec<u32>) + Sync + Send,
         stage: Stage,
     ) -> Result<Self> {
-        let piece = |vertices: Range<usize>| {
-            let (mut ends, mut others) = (Vec::with_capacity(vertices.len()), Vec::new());
-            let mut own = Vec::new();
-            for vertex in vertices {
-                own.clear();
-                list(vertex, &mut own);
-                others.extend_from_slice(&own);
-                ends.push(others.len() as u32);
-            }
-            (ends, others)
-        };
-        let (ends, others): (Vec<_>, Vec<_>) = stage
-            .pass(|| parallel::parts(size, piece))?
-            .into_iter()
-            .unzip();
-        let mut starts = Vec::with_capacity(size + 1);
-        starts.push(0);
-        for ends in ends {
-            let first = starts[starts.len() - 1];
-            starts.extend(ends.iter().map(|end| first + end));
-        }
-        let others = stage.pass(|| others.concat())?;
-        let others_of =
-            |vertex: usize| &others[starts[vertex] as usize..starts[vertex + 1] as usize];
-        let earlier = |vertex: usize| {
-            others_of(vertex).partition_point(|&other| (other as usize) < vertex) as u32
-        };
-        let earlier = stage.pass(|| parallel::values(size, earlier))?;
-        // Where the entries below the diagonal begin in each column.
-        let mut next = 0;
+        let lists = Lists::new(size, list, stage)?;
+        let earlier =
+            stage.pass(|| parallel::values(size, |vertex| lists.before(vertex, vertex)))?;
+        // Where the entries below the diagonal begin in each column, were there some above it.
+        let mut end = 0;
         let column = |(vertex, &earlier): (usize, &u32)| {
-            let begin = next + 1;
-            next = begin + others_of(vertex).len() as u32 - earlier;
-            begin
+            let begin = end + 1;
+            end = begin + lists.of(vertex).len() as u32 - earlier;
+            begin.wrapping_sub(earlier)
         };
         let columns: Vec<u32> = earlier.iter().enumerate().map(column).collect();
-        let entry = |column: usize, place: usize| columns[column] + place as u32 - earlier[column];
-        let piece = |vertices: Range<usize>| {
-            let mut neighbours = Vec::new();
-            for vertex in vertices {
-                let own = others_of(vertex).iter().enumerate();
-                neighbours.extend(own.map(|(place, &other)| {
-                    let entry = match other as usize > vertex {
-                        true => entry(vertex, place),
-                        false => {
-                            let others = others_of(other as usize);
-                            let before = |&own: &u32| (own as usize) < vertex;
-                            entry(other as usize, others.partition_point(before))
-                        }
-                    };
-                    (other, entry)
-                }));
-            }
-            neighbours
+        let entry = |column: usize, place: u32| columns[column].wrapping_add(place);
+        let (all, entry) = (&lists, &entry);
+        let neighbours = |vertex: usize| {
+            (0..).zip(all.of(vertex)).map(move |(place, &other)| {
+                let entry = match other as usize > vertex {
+                    true => entry(vertex, place),
+                    false => entry(other as usize, all.before(other as usize, vertex)),
+                };
+                (other, entry)
+            })
         };
+        let piece = |vertices: Range<usize>| vertices.flat_map(&neighbours).collect::<Vec<_>>();
         let neighbours = stage.pass(|| parallel::parts(size, piece).concat())?;
         Ok(Self {
-            starts,
+            starts: lists.starts,
             neighbours,
             is_breadth_first: false,
         })
@@ -168,6 +136,54 @@ impl Graph {
     /// The neighbours of one.
     pub fn neighbours_of(&self, vertex: usize) -> &[(u32, u32)] {
         &self.neighbours[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+}
+
+/// The neighbours of every vertex in order.
+struct Lists {
+    /// First neighbour of each vertex, V + 1.
+    starts: Vec<u32>,
+    others: Vec<u32>,
+}
+
+impl Lists {
+    /// See [`Graph::listed`].
+    fn new(
+        size: usize,
+        list: impl Fn(usize, &mut Vec<u32>) + Sync + Send,
+        stage: Stage,
+    ) -> Result<Self> {
+        let piece = |vertices: Range<usize>| {
+            let (mut ends, mut others) = (Vec::with_capacity(vertices.len()), Vec::new());
+            let mut own = Vec::new();
+            for vertex in vertices {
+                own.clear();
+                list(vertex, &mut own);
+                others.extend_from_slice(&own);
+                ends.push(others.len() as u32);
+            }
+            (ends, others)
+        };
+        let pieces = stage.pass(|| parallel::parts(size, piece))?;
+        let (ends, others): (Vec<_>, Vec<_>) = pieces.into_iter().unzip();
+        let mut starts = Vec::with_capacity(size + 1);
+        starts.push(0);
+        for ends in ends {
+            let first = starts[starts.len() - 1];
+            starts.extend(ends.iter().map(|end| first + end));
+        }
+        let others = stage.pass(|| others.concat())?;
+        Ok(Self { starts, others })
+    }
+
+    fn of(&self, vertex: usize) -> &[u32] {
+        &self.others[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+
+    /// How many neighbours of a vertex come before `other`.
+    fn before(&self, vertex: usize, other: usize) -> u32 {
+        let neighbours = self.of(vertex);
+        neighbours.partition_point(|&neighbour| (neighbour as usize) < other) as u32
     }
 }
 

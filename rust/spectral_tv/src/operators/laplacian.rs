@@ -146,6 +146,9 @@ pub fn element_stiffness(hats: &[FaceVector; 3], scale: f64) -> [f64; 3] {
     ]
 }
 
+/// Faces at a vertex among whose corners it is quick to look for one.
+const FEW: usize = 16;
+
 /// The graph of so many vertices between which `triangles` have edges.
 ///
 /// # Errors
@@ -154,16 +157,18 @@ pub(crate) fn graph_of(triangles: &[[u32; 3]], vertices: usize, stage: Stage) ->
     let (starts, corners) = grouped(triangles.as_flattened(), vertices, stage)?;
     let list = |vertex: usize, others: &mut Vec<u32>| {
         let corners = &corners[starts[vertex] as usize..starts[vertex + 1] as usize];
+        // To look through a few takes less time than to sort twice as many.
+        let are_few = corners.len() <= FEW;
         for turn in [1, 2] {
             for &corner in corners {
                 let other = triangles[corner as usize / 3][(corner as usize + turn) % 3];
-                // There are few: to look through them takes less time than to sort twice as many.
-                if other as usize != vertex && !others.contains(&other) {
+                if other as usize != vertex && !(are_few && others.contains(&other)) {
                     others.push(other);
                 }
             }
         }
         others.sort_unstable();
+        others.dedup();
     };
     Graph::listed(vertices, list, stage)
 }
