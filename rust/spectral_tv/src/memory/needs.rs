@@ -1,7 +1,7 @@
 //! How much memory work takes, estimated before it starts.
 //!
 //! What is kept (states, eigenfunctions) is counted. What matrices, factors and hierarchies take
-//! besides was fitted to the peaks of processes that worked on 10 000 to 400 000 vertices.
+//! besides was fitted to the peaks of processes that worked on 10 000 to a million vertices.
 
 use crate::memory::NUMBER;
 use crate::mesh::TriangleMesh;

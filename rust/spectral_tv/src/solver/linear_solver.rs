@@ -18,10 +18,10 @@ use crate::solver::{Cholesky, Multigrid, Symbolic};
 /// exact.
 const SMALL: usize = 10_000;
 /// Number of unknowns from which multigrid is taken without a look at their couplings, as it
-/// takes less memory; and the same for several solutions of single functions, where a
-/// factorization takes two thirds of the time at 300 000, but half as much memory again.
+/// takes less memory; and the same for several solutions of single functions. There a
+/// factorization takes two thirds of the time at 650 000 and at a million, and a third more memory.
 const LARGE: usize = 100_000;
-const HUGE: usize = 400_000;
+const HUGE: usize = 1_200_000;
 /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
 /// limbs falls apart in small parts and has 36 at 50 000 vertices, where a factorization takes a
 /// fourth to a half of multigrid's time; a compact scan has 50 at 36 000, where both take the
