@@ -110,8 +110,8 @@ def compared(shape: Shape, method: str, known: Places) -> Iterator[list[str]]:
             continue
         runs = 1 if len(vertices) >= LARGE else RUNS
         works = (
-            timed(shape, others[2], Work("pardiso", method)),
-            timed(shape, ourselves[2], Work("spectral_tv", method, "extrapolated")),
+            alone(shape, others[2], Work("pardiso", method)),
+            alone(shape, ourselves[2], Work("spectral_tv", method, "extrapolated")),
         )
         slow, fast = interleaved(*works, runs=runs)
         yield [
@@ -139,7 +139,7 @@ def first_place(is_enough: Callable[[int], bool], near: int | None) -> int:
     return above
 
 
-def timed(shape: Shape, times: np.ndarray, work: Work) -> Callable[[], float]:
+def alone(shape: Shape, times: np.ndarray, work: Work) -> Callable[[], float]:
     """A flow in a process of its own: threads of Pardiso still wait actively when it has ended."""
     bench = Bench(shape, times)
     return lambda: bench.run(work).seconds

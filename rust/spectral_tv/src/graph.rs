@@ -24,15 +24,7 @@ impl Graph {
     /// # Errors
     /// [`crate::Error::Cancelled`].
     pub fn new(lower: &CsMatI<f64, u32>, stage: Stage) -> Result<Self> {
-        Self::of_columns(&lower.proper_indptr(), lower.indices(), stage)
-    }
-
-    /// The graph of the matrix whose lower triangle has these `rows`, column by column, each of which
-    /// begins at one of `columns`.
-    ///
-    /// # Errors
-    /// [`crate::Error::Cancelled`].
-    pub fn of_columns(columns: &[u32], rows: &[u32], stage: Stage) -> Result<Self> {
+        let (columns, rows) = (lower.proper_indptr(), lower.indices());
         let size = columns.len() - 1;
         let edges = || {
             (0..size).flat_map(|column| {

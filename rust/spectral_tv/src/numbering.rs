@@ -124,22 +124,18 @@ mod tests {
         let size = rows * columns;
         // 7 has no factor in common with the size.
         let number = |i: u32, j: u32| (7 * (i * columns + j) + 5) % size;
-        let mut below = vec![Vec::new(); size as usize];
+        let mut lists = vec![Vec::new(); size as usize];
         for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
             let ahead = [(i + 1, j), (i, j + 1)].into_iter();
             for (p, q) in ahead.filter(|&(p, q)| p < rows && q < columns) {
                 let (a, b) = (number(i, j), number(p, q));
-                below[a.min(b) as usize].push(a.max(b));
+                lists[a as usize].push(b);
+                lists[b as usize].push(a);
             }
         }
-        let (mut starts, mut entries) = (vec![0], Vec::new());
-        for (column, mut others) in below.into_iter().enumerate() {
-            others.sort_unstable();
-            entries.push(column as u32);
-            entries.extend(others);
-            starts.push(entries.len() as u32);
-        }
-        Graph::of_columns(&starts, &entries, Monitor::new().whole()).unwrap()
+        lists.iter_mut().for_each(|list| list.sort_unstable());
+        let list = |vertex: usize, others: &mut Vec<u32>| others.extend_from_slice(&lists[vertex]);
+        Graph::listed(size as usize, list, Monitor::new().whole()).unwrap()
     }
 
     #[test]

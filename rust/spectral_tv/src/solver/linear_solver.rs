@@ -19,7 +19,7 @@ use crate::solver::{Cholesky, Multigrid, Symbolic};
 const SMALL: usize = 10_000;
 /// Number of unknowns from which multigrid is taken without a look at their couplings, as it
 /// takes less memory; and the same for several solutions of single functions. There a
-/// factorization takes two thirds of the time at 650 000 and at a million, and a third more memory.
+/// factorization takes two thirds of the time at 650 000 and at a million, and at 650 000 a third more memory.
 const LARGE: usize = 100_000;
 const HUGE: usize = 1_200_000;
 /// Entries in a row of the factor from which multigrid is faster between these. A shape of thin
