@@ -26,7 +26,7 @@ GOALS = (0.1, 0.05)
 LARGE = 100_000
 
 Flow = Callable[[np.ndarray], np.ndarray]
-# A number of steps with its error and its times.
+# A number of steps with its error and its times: the fewest that suffice, or the most tried.
 Plan = tuple[int, float, np.ndarray]
 # Where in COUNTS searches ended, by what was searched for.
 Places = dict[tuple[str, str, float], int]
@@ -85,17 +85,17 @@ def compared(shape: Shape, method: str, known: Places) -> Iterator[list[str]]:
 
     def fewest(
         side: str, flow: Flow, *ways: Callable[[int], np.ndarray]
-    ) -> Callable[[float], Plan | None]:
+    ) -> Callable[[float], Plan]:
         @functools.cache
         def plan(count: int) -> Plan:
             tried = [(error(flow(times), times), times) for times in (way(count) for way in ways)]
             return count, *min(tried, key=lambda each: each[0])
 
-        def found(goal: float) -> Plan | None:
+        def found(goal: float) -> Plan:
             key = side, method, goal
             place = first_place(lambda place: plan(COUNTS[place])[1] <= goal, known.get(key))
             known[key] = min(place, len(COUNTS) - 1)
-            return plan(COUNTS[place]) if place < len(COUNTS) else None
+            return plan(COUNTS[known[key]])
 
         return found
 
@@ -103,21 +103,20 @@ def compared(shape: Shape, method: str, known: Places) -> Iterator[list[str]]:
     mine, them = fewest("here", ours, graded), fewest("there", theirs, graded, logarithmic)
     for goal in GOALS:
         ourselves, others = mine(goal), them(goal)
-        if ourselves is None or others is None:
-            most = f"> {COUNTS[-1]}"
-            counts = [str(plan[0]) if plan is not None else most for plan in (others, ourselves)]
-            yield [f"{goal:.0%}", counts[0], "–", "–", counts[1], "–", "–", "–", "–"]
-            continue
         runs = 1 if len(vertices) >= LARGE else RUNS
         works = (
             alone(shape, others[2], Work("pardiso", method)),
             alone(shape, ourselves[2], Work("spectral_tv", method, "extrapolated")),
         )
         slow, fast = interleaved(*works, runs=runs)
+        # Where the most steps that were tried do not suffice, what follows from them is the least.
+        least = "> " if others[1] > goal else ""
+        ratios = [f"{least}{slow / fast:.0f}", f"{least}{others[0] / ourselves[0]:.1f}"]
+        if ourselves[1] > goal:
+            ratios = ["–", "–"]
         yield [
-            f"{goal:.0%}", str(others[0]), f"{others[1]:.1%}", f"{slow:.2f} s", str(ourselves[0]),
-            f"{ourselves[1]:.1%}", f"{fast:.3f} s", f"{slow / fast:.0f}",
-            f"{others[0] / ourselves[0]:.1f}",
+            f"{goal:.0%}", f"{least}{others[0]}", f"{others[1]:.1%}", f"{least}{slow:.2f} s",
+            str(ourselves[0]), f"{ourselves[1]:.1%}", f"{fast:.3f} s", *ratios,
         ]  # fmt: skip
 
 
