@@ -18,8 +18,8 @@ from .meshes import Shape, bumpy_torus
 # States that are kept for comparison, as parts of the flow.
 KEPT = (0.1, 0.4, 0.7, 1.0)
 WARM_UP = 500
-# glibc keeps what is freed for the next arrays, as it does in a process that has worked before. A new
-# one gives each large array back, and the system's pages for the next take Pardiso up to a third longer.
+# glibc keeps what is freed for the next arrays, as in a process that has worked before. A new one
+# gives each large array back. Pardiso takes up to a third longer then, for new pages.
 KEEPING = {"MALLOC_MMAP_THRESHOLD_": str(32 << 20), "MALLOC_TRIM_THRESHOLD_": str(64 << 20)}
 
 
